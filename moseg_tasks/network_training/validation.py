@@ -29,13 +29,13 @@ class Validation(NamedTuple):
 
 
 @torch.no_grad()
-def validate(network: MotionUNet, batches: Iterable[Batch], device: torch.device) -> Validation:
-    """Score a network in its state of inference on batches with labels."""
+def validate(network: MotionUNet, batches: Iterable[Batch]) -> Validation:
+    """Score a network in its state of inference on batches with labels, all on one device."""
     overlaps, false = [], []
     for batch in batches:
-        logit = apply_network(network, torch.from_numpy(batch.channels).to(device)).cpu().numpy()
         counted = batch.weight > 0
-        for found, true, counts in zip((logit > 0) & counted, (batch.label > 0.5) & counted, counted, strict=True):
+        maps = ((apply_network(network, batch.channels) > 0) & counted, (batch.label > 0.5) & counted, counted)
+        for found, true, counts in zip(*(each.cpu().numpy() for each in maps), strict=True):
             if true.sum() > _MIN_PIXELS:
                 overlaps.append((found & true).sum() / (found | true).sum())
             else:

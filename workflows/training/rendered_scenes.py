@@ -1,6 +1,6 @@
 """Training of the motion network from random weights on rendered scenes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,11 +12,13 @@ from moseg.workflows.process.devices import current_device
 from moseg.workflows.process.resources import pin_threads
 from moseg.workflows.training.drawing import draw_shards
 from moseg.workflows.training.result import Trained, write_result
+from moseg.workflows.training.sample_reader import SampleReader
 from moseg.workflows.training.shards import DRAWING_VERSION, Shard, plan_shards
 from moseg.workflows.training.steps import take_steps
 
 if TYPE_CHECKING:
     from moseg.tasks.network_training.batch import Batch
+    from moseg.tasks.network_training.learner import Learner
 
 _FIRST_VALIDATION = 1000
 """Number of the first shard to validate on, of the seed after that of the training: no texture or scene is shared."""
@@ -66,12 +68,13 @@ def train_on_scenes(
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
     learner = Learner(MotionUNet(), params, current_device())
+    reader = SampleReader(learner.device)
     settings = {**scene_settings(params, seed), "start": "random weights"}
     curve = take_steps(
         learner,
         params,
-        lambda step: learner.label_loss(draw_batch(shards, params, seed, step)),
-        partial(score_scenes, learner, held_out),
+        lambda step: learner.label_loss(draw_batch(reader, shards, params, seed, step)),
+        partial(score_scenes, learner, reader, held_out),
         folder,
         settings,
         quiet,
@@ -94,7 +97,9 @@ def validation_shards(folder: Path, params: NetworkTrainingParams, seed: int) ->
     return plan_shards(folder / "scenes", seed + 1, _FIRST_VALIDATION, params.validation_scenes, params.textures)
 
 
-def draw_batch(shards: Sequence[Shard], params: NetworkTrainingParams, seed: int, step: int) -> "Batch":
+def draw_batch(
+    reader: SampleReader, shards: Sequence[Shard], params: NetworkTrainingParams, seed: int, step: int
+) -> "Batch":
     """Return the batch of a step: random samples of a random shard, which all have the same size."""
     from moseg.tasks.network_training.batch import augment
 
@@ -102,25 +107,17 @@ def draw_batch(shards: Sequence[Shard], params: NetworkTrainingParams, seed: int
     sizes = np.array([shard.num_samples for shard in shards], float)
     shard = shards[rng.choice(len(shards), p=sizes / sizes.sum())]
     rows = np.sort(rng.choice(shard.num_samples, min(params.batch, shard.num_samples), replace=False))
-    return augment(_read_batch(shard, rows), rng, params.missing)
+    return augment(reader.read(shard, rows), rng, params.missing)
 
 
-def score_scenes(learner, shards: Sequence[Shard]) -> dict[str, float | None]:
+def score_scenes(learner: "Learner", reader: SampleReader, shards: Sequence[Shard]) -> dict[str, float | None]:
     """Return the scores of the moving average on shards; None for those that no scene gives."""
     from moseg.tasks.network_training.validation import validate
 
-    scores = validate(learner.average, _all_batches(shards), learner.device)
+    batches = (
+        reader.read(shard, slice(first, first + _VALIDATION_BATCH))
+        for shard in shards
+        for first in range(0, shard.num_samples, _VALIDATION_BATCH)
+    )
+    scores = validate(learner.average, batches)
     return {name: None if np.isnan(value) else value for name, value in scores._asdict().items()}
-
-
-def _all_batches(shards: Sequence[Shard]) -> Iterator["Batch"]:
-    for shard in shards:
-        for first in range(0, shard.num_samples, _VALIDATION_BATCH):
-            yield _read_batch(shard, slice(first, first + _VALIDATION_BATCH))
-
-
-def _read_batch(shard: Shard, rows) -> "Batch":
-    from moseg.tasks.network_training.batch import pad_batch
-
-    channels, label, counts = shard.read()
-    return pad_batch(channels[rows], label[rows] / np.float32(255), counts[rows])

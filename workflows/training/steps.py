@@ -63,7 +63,7 @@ def take_steps(
     from moseg.tasks.network_training.learner import learning_rate
 
     curve: list[dict[str, float | None]] = []
-    losses: list[float] = []
+    losses: list[float | Tensor] = []
     found = read_checkpoint(folder, settings)
     if found is not None:
         learner.load(found.learner)
@@ -80,12 +80,14 @@ def take_steps(
             if is_shown:
                 rate = learning_rate(step, params)
                 scores = validate()
+                losses = [float(loss) for loss in losses]
                 seconds = round(time.monotonic() - started, 1)
                 entry = {"step": learner.step, "loss": sum(losses) / len(losses), "rate": rate}
                 curve.append({**entry, **scores, "seconds": seconds})
                 losses = []
                 write_text(folder / CURVE, json.dumps(curve, indent=1) + "\n")
             if is_shown or learner.step % CHECKPOINT_STEPS == 0:
+                losses = [float(loss) for loss in losses]
                 Checkpoint(learner.state(), curve, losses).write(folder, settings)
             progress.advance("steps")
     return curve

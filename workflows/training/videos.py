@@ -15,6 +15,7 @@ from moseg.workflows.training.clip_files import read_clip
 from moseg.workflows.training.drawing import draw_shards
 from moseg.workflows.training.rendered_scenes import draw_batch, scene_shards, score_scenes, validation_shards
 from moseg.workflows.training.result import Trained, write_result
+from moseg.workflows.training.sample_reader import SampleReader
 from moseg.workflows.training.shards import DRAWING_VERSION
 from moseg.workflows.training.steps import take_steps
 
@@ -71,19 +72,20 @@ def train_on_clips(
     before = copy.deepcopy(network).to(device, memory_format=torch.channels_last).eval()
     # The normalisations are merged into the convolutions: there are no statistics to learn.
     learner = Learner(network, own, device, normalises=False)
+    reader = SampleReader(device)
 
     def loss_of_step(step: int) -> "Tensor":
         clip = read_clip(clips[np.random.default_rng([seed, step, 1]).integers(len(clips))])
-        replayed = _keep_loss(learner.logits, before, draw_batch(shards, own, seed, step).channels, device)
+        replayed = _keep_loss(learner.logits, before, draw_batch(reader, shards, own, seed, step).channels)
         return params.replay * replayed + _clip_loss(learner.logits, before, clip, params, device)
 
     settings = {"seed": seed, "scenes_version": DRAWING_VERSION, **settings, **params.model_dump(mode="json")}
-    validate = partial(score_scenes, learner, held_out)
+    validate = partial(score_scenes, learner, reader, held_out)
     curve = take_steps(learner, own, loss_of_step, validate, folder, settings, quiet, shows_start=True)
     return write_result(learner.average, out, settings, curve)
 
 
-def _keep_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", channels: np.ndarray, device) -> "Tensor":
+def _keep_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", rendered: "Tensor") -> "Tensor":
     """Return the cross-entropy with the network of the start on rendered samples float32 (sample, channel, y, x).
 
     Their labels would train it on: at this rate and on so few scenes it gets worse, as measured.
@@ -93,7 +95,6 @@ def _keep_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", chann
     from moseg.tasks.network_training.clip_loss import keep_loss
     from moseg.tasks.network_training.learner import apply_network
 
-    rendered = torch.from_numpy(channels).to(device)
     with torch.no_grad():
         known = apply_network(before, rendered)
     return keep_loss(logits(rendered), known)
@@ -102,13 +103,12 @@ def _keep_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", chann
 def _clip_loss(logits: "Callable[[Tensor], Tensor]", before: "MotionUNet", clip: "Clip", params, device) -> "Tensor":
     import torch
 
-    from moseg.tasks.network_training.batch import pad_batch
+    from moseg.tasks.network_training.batch import pad_channels
     from moseg.tasks.network_training.clip_loss import clip_losses, weighted_sum
     from moseg.tasks.network_training.learner import apply_network
 
-    count, _, height, width = clip.channels.shape
-    nothing = np.zeros((count, height, width))
-    channels = torch.from_numpy(pad_batch(clip.channels, nothing, nothing).channels).to(device)
+    height, width = clip.channels.shape[2:]
+    channels = pad_channels(torch.from_numpy(clip.channels).to(device))
     with torch.no_grad():
         known = apply_network(before, channels)[:, :height, :width]
     return weighted_sum(clip_losses(logits(channels)[:, :height, :width], known, clip, params.rank), params)

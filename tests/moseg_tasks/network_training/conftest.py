@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import torch
 
 from moseg.tasks.motion_network import CHANNELS
 from moseg.tasks.network_training.batch import Batch, pad_batch
@@ -16,4 +17,4 @@ def batch() -> Batch:
     for index, (top, left) in enumerate(rng.integers(0, 15, (4, 2))):
         label[index, top : top + 12, left : left + 12] = 1
     channels += 2 * label[:, None]
-    return pad_batch(channels, label, np.ones(label.shape))
+    return pad_batch(*map(torch.from_numpy, (channels, label, np.ones(label.shape))))

@@ -6,8 +6,9 @@ import pytest
 import torch
 
 from moseg.schemas.parameters import NetworkTrainingParams
+from moseg.tasks.motion_network import CHANNELS
 from moseg.tasks.motion_network.unet import MotionUNet
-from moseg.tasks.network_training.learner import Learner, learning_rate
+from moseg.tasks.network_training.learner import Learner, apply_network, learning_rate
 from moseg.tasks.network_training.losses import label_loss
 from moseg.tasks.network_training.validation import validate
 
@@ -23,7 +24,7 @@ def learner():
 def test_a_few_steps_lower_the_loss_and_find_what_moves(learner, batch):
     losses = [learner.learn(lambda: learner.label_loss(batch)) for _ in range(PARAMS.steps)]
     assert losses[-1] < 0.6 * losses[0]
-    assert validate(learner.average, [batch], learner.device).J > 70
+    assert validate(learner.average, [batch]).J > 70
 
 
 def test_a_state_goes_on_to_the_same_weights(learner, batch):
@@ -45,3 +46,12 @@ def test_the_rate_rises_and_falls():
 def test_what_has_no_weight_has_no_loss():
     logit, label, weight = torch.randn(1, 8, 8), torch.ones(1, 8, 8), torch.zeros(1, 8, 8)
     assert float(label_loss(logit, label, weight, 0.02, 0.5)) == 0
+
+
+@pytest.mark.parametrize(("capability", "kind"), [("AVX512", torch.bfloat16), ("AVX2", torch.float32)])
+def test_processors_without_fast_bfloat16_compute_in_single_precision(capability, kind, monkeypatch):
+    monkeypatch.setattr(torch.backends.cpu, "get_cpu_capability", lambda: capability)
+    network, kinds = MotionUNet().eval(), []
+    network.head.register_forward_hook(lambda _, inputs, output: kinds.append(output.dtype))
+    assert apply_network(network, torch.zeros(1, len(CHANNELS), 32, 32)).dtype == torch.float32
+    assert kinds == [kind]
