@@ -47,6 +47,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="networks, all but those @light by default")
     parser.add_argument("--device", default="cuda", help="cuda, cuda:N, mps or cpu")
     parser.add_argument("--out", type=Path, required=True, help="JSON file to write")
+    parser.add_argument("--without-cpu", action="store_true", help="leave out the comparison with the CPU")
     parser.add_argument("--seconds", type=float, default=600, help="after which what still runs is ended")
     parser.add_argument("--jobs", type=int, default=max(len(os.sched_getaffinity(0)) // 2, 1), help="processes")
     options = parser.parse_args()
@@ -62,7 +63,13 @@ def main() -> int:
     names = sorted(options.names or known, key=lambda name: SLOWEST.index(name) if name in SLOWEST else len(SLOWEST))
     with tempfile.TemporaryDirectory() as folder:
         threads = max(len(os.sched_getaffinity(0)) // options.jobs, 1)
-        run_all(context, names, options.jobs, options.seconds, (Path(folder), options.device, threads))
+        run_all(
+            context,
+            names,
+            options.jobs,
+            options.seconds,
+            (Path(folder), options.device, threads, not options.without_cpu),
+        )
         found = {name: read(Path(folder), name) for name in names}
     options.out.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     print(*map(format_row, (HEADER, ["---"] * len(HEADER))), sep="\n")
@@ -94,7 +101,7 @@ def run_all(context, names: list[str], jobs: int, seconds: float, arguments: tup
         print(f"no time for {', '.join(waiting)}", flush=True)
 
 
-def measure(name: str, folder: Path, device: str, threads: int) -> None:
+def measure(name: str, folder: Path, device: str, threads: int, has_cpu: bool) -> None:
     """Write what one network does into ``NAME.json`` of a folder, after each step, so that a crash leaves the rest."""
     torch, cv2, cases, devices = map(
         importlib.import_module, ("torch", "cv2", "cases", "moseg.workflows.process.devices")
@@ -105,7 +112,7 @@ def measure(name: str, folder: Path, device: str, threads: int) -> None:
     devices.set_device(device)
     trial = Trial(cases.CASES[name], name in cases.BATCHED, devices.current_device(), folder)
     for step in (trial.build, trial.compare, trial.compare_batch, trial.time, trial.compare_with_cpu):
-        if step == trial.compare_with_cpu and name in MINUTES_ON_CPU:
+        if step == trial.compare_with_cpu and (name in MINUTES_ON_CPU or not has_cpu):
             continue
         trial.found["during"] = step.__name__
         write(folder, name, trial.found)
