@@ -4,6 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+_PACES = {"gentle": (1.5, 1.2, 0.006), "strong": (9.0, 5.0, 0.025), "violent": (20.0, 10.0, 0.05)}
+"""Deviations of turn and shift, px a frame, and of the growth by motion along the view, share a frame."""
+
 
 class CameraStep(NamedTuple):
     """Motion of a camera over one frame, in units of the image.
@@ -30,12 +33,12 @@ class CameraStep(NamedTuple):
 
 
 def draw_camera(rng: np.random.Generator) -> tuple[CameraStep, CameraStep]:
-    """Draw the steps to the frame before and to the frame after: still, gentle, or strong, with a shake on top."""
-    pace = rng.choice(["still", "gentle", "strong"], p=[0.1, 0.5, 0.4])
+    """Draw the steps to the frame before and to the frame after: still, or of a random pace, with a shake on top."""
+    pace = rng.choice(["still", *_PACES], p=[0.1, 0.45, 0.33, 0.12])
     if pace == "still":
         mean = CameraStep(np.zeros(2), 0.0, np.zeros(2), 0.0, 0.0)
         return mean, mean
-    turn, shift, ahead = (1.5, 1.2, 0.006) if pace == "gentle" else (9.0, 5.0, 0.025)
+    turn, shift, ahead = _PACES[pace]
     moves_across, moves_ahead, zooms = rng.random(3) < (0.7, 0.5, 0.15)
     mean = CameraStep(
         rng.normal(0, turn, 2) * (1, 0.4),

@@ -55,7 +55,7 @@ def draw_own_motion(
     if rng.random() < 0.45:  # followed by the camera: it hardly moves in the image
         mean = -rng.uniform(0.6, 1.1) * carried + rng.normal(0, 0.5, 2)
     else:
-        angle, speed = rng.uniform(0, 2 * np.pi), 0.3 * 45 ** rng.random()
+        angle, speed = rng.uniform(0, 2 * np.pi), 0.3 * 67 ** rng.random()
         mean = speed * np.array([np.cos(angle), 0.5 * np.sin(angle)])
     shaken = 1 + rng.choice([0.02, 0.15]) * rng.standard_normal((2, 1))
     signs = np.array([[-1.0], [1.0]])

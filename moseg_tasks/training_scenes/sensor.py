@@ -1,4 +1,4 @@
-"""Traces of the camera and of the video file in frames: brightness, contrast, blur, grain, compression."""
+"""Traces of the camera and of the video file in frames: brightness, contrast, colour, blur, grain, compression."""
 
 import cv2
 import numpy as np
@@ -8,6 +8,10 @@ def expose(rng: np.random.Generator, frames: np.ndarray) -> np.ndarray:
     """Convert rendered frames float32 (3, y, x, 3), grey levels, to uint8 frames as a camera might have stored them."""
     contrast = rng.uniform(0.3, 1.0) if rng.random() < 0.4 else 1.0
     bias = rng.uniform(0, 255 * (1 - contrast))
+    if rng.random() < 0.1:  # too little light
+        contrast, bias = rng.uniform(0.08, 0.35), rng.uniform(0, 10)
+    if rng.random() < 0.1:  # no colours
+        frames = np.broadcast_to(frames.mean(axis=-1, keepdims=True), frames.shape)
     flicker = rng.normal(0, rng.choice([0.0, 0.01, 0.05]), 3)
     blur = rng.uniform(0.3, 1.3) if rng.random() < 0.5 else 0.0
     grain = rng.uniform(0, 6) if rng.random() < 0.7 else 0.0
