@@ -121,7 +121,7 @@ def _compare_tracks(result: Any, other: Any) -> dict[str, float]:
 
 
 def _compare_labels(labels: np.ndarray, other: np.ndarray) -> dict[str, float]:
-    if labels.shape != other.shape:
+    if labels.shape != other.shape or not other.size:
         return {}
     return {"other pixels": float((labels != other).mean()), "shown": float((other > 0).mean())}
 

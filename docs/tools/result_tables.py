@@ -144,10 +144,64 @@ def _held_out() -> Rows:
 
 
 def _training_curve() -> Rows:
-    shown = (250, 500, 1000, 2000, 3000, 4000, 5000, 6000, 7000)
+    shown = range(1000, 9000, 1000)
     figures = {"loss": ":.3f", "J": "", "false_pixels": ""}
     rows = ((f"{n:,}", *(f"{{motion-network/steps/{n}/{k}{form}}}" for k, form in figures.items())) for n in shown)
     return [("step", "loss", "J, held-out scenes", "false pixels where nothing moves, percent"), *rows]
+
+
+def _networks_on_gpu() -> Rows:
+    """Pairs of networks of one kind share a row, as in the table of CPU seconds."""
+    kinds = {
+        "RAM, RAM++": ("ram", "ram-plus"),
+        "Grounding DINO tiny, base": ("grounding-dino-tiny", "grounding-dino-base"),
+        "SAM-HQ base, large": ("sam-hq-vit-base", "sam-hq-vit-large"),
+        "SAM 2.1 tiny, large": ("sam2.1-hiera-tiny", "sam2.1-hiera-large"),
+        "EdgeTAM": ("edgetam",),
+        "SAM 3": ("sam3",),
+        "DeAOT": ("deaot-r50-l",),
+        "SAM 2.1 video tiny, large": ("sam2.1-hiera-tiny-video", "sam2.1-hiera-large-video"),
+        "EdgeTAM video": ("edgetam-video",),
+        "SAM 3 video": ("sam3-video",),
+        "PIPs": ("pips",),
+        "BootsTAPIR at 512x512": ("bootstapir",),
+        "RAFT large, small": ("raft-large", "raft-small"),
+        "SEA-RAFT M, S": ("sea-raft-m", "sea-raft-s"),
+        "DPT-DINOv2 small, large": ("dpt-dinov2-small-nyu", "dpt-dinov2-large-nyu"),
+        "Depth Anything V2 small": ("depth-anything-v2-small",),
+        "Depth Anything 3 small, base": ("depth-anything-3-small", "depth-anything-3-base"),
+        "Depth Anything 3 small, base, cameras by the decoder": (
+            "depth-anything-3-small-views",
+            "depth-anything-3-base-views",
+        ),
+        "the same by rays": ("depth-anything-3-small-rays", "depth-anything-3-base-rays"),
+    }
+
+    def figures(names: tuple[str, ...], figure: str) -> str:
+        return ", ".join(
+            f"{{networks-on-gpu/networks/{name}/{figure}:.{1 if figure == 'gib' else 3}f}}" for name in names
+        )
+
+    has_batches = ("RAFT", "SEA-RAFT", "DPT", "Depth Anything V2", "Depth Anything 3 small, base")
+    rows = [
+        (
+            text,
+            figures(names, "s_per_frame"),
+            figures(names, "s_per_frame_batch") if text.startswith(has_batches) and "cameras" not in text else "",
+            figures(names, "gib"),
+        )
+        for text, names in kinds.items()
+    ]
+    return [("network", "s per frame", "s per frame, 8 at once", "GiB"), *rows]
+
+
+def _network_sizes() -> Rows:
+    names = {"before": "the network before this one", "sizes/16": "this one, 16 to 128 channels"}
+    names |= {"sizes/24": "24 to 192 channels", "sizes/32": "32 to 256 channels"}
+    forms = {"J": ":.1f", "false_pixels": ":.1f", "davis_J": ":.1f"}
+    rows = [(text, *(f"{{motion-network/{n}/{k}{form}}}" for k, form in forms.items())) for n, text in names.items()]
+    head = ("J, held-out scenes", "false pixels where nothing moves, percent", "J, DAVIS-2016, whole pipeline")
+    return [("", *head), *rows]
 
 
 def _parts_of_learning() -> Rows:
@@ -258,6 +312,8 @@ TABLES = {
     "confidence": _confidence(),
     "peers": _peers(),
     "training-curve": _training_curve(),
+    "network-sizes": _network_sizes(),
+    "networks-on-gpu": _networks_on_gpu(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,
     **road_tables.TABLES,
