@@ -60,6 +60,7 @@ from moseg.schemas.parameters import (
     Sam2Params,
     Sam3Params,
     SamHqParams,
+    SceneCutParams,
     SceneParallaxParams,
     SeaRaftParams,
     SeedParams,
@@ -175,6 +176,7 @@ class PipelineConfig(Frozen):
     cameras: CameraParams = CameraParams()
     rigidity: RigidityParams = RigidityParams()
     repetitions: RepetitionParams = RepetitionParams()
+    scene_cuts: SceneCutParams = SceneCutParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()
     track_window: TrackWindowParams = TrackWindowParams()

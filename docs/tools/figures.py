@@ -39,6 +39,7 @@ PAGES = (
             "peers",
             "learning",
             "exports",
+            "inputs",
         )
     ),
 )

@@ -46,6 +46,7 @@ from moseg.schemas.parameters.saliency import SaliencyParams
 from moseg.schemas.parameters.sam2 import EdgeTamParams, Sam2Params
 from moseg.schemas.parameters.sam3 import Sam3Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
+from moseg.schemas.parameters.scene_cuts import SceneCutParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
 from moseg.schemas.parameters.sea_raft import SeaRaftParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
@@ -135,6 +136,7 @@ __all__ = [
     "Sam2Params",
     "Sam3Params",
     "SamHqParams",
+    "SceneCutParams",
     "SceneParallaxParams",
     "SeaRaftParams",
     "SeedParams",

@@ -18,6 +18,7 @@ from moseg.workflows.graph.motions import Motions
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
 from moseg.workflows.graph.painted_sections import PaintedSections
+from moseg.workflows.graph.scene_cuts import SceneCuts, scene_cuts
 from moseg.workflows.graph.sections import cut_sections
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
@@ -147,6 +148,10 @@ class SequenceGraph:
         if corrected is None or all(isinstance(edit, Drop | Static | Rename) for edit in self.leaves.edits):
             return self._label(variant, None), {"linking": self.objects.linking()}
         return self._label(variant, corrected), {"corrected": corrected}
+
+    def scene_cuts(self) -> tuple[SceneCuts, ...]:
+        """Return the cuts of each stretch of the sequence."""
+        return scene_cuts(self._first_nodes)
 
     def moves_now(self, variant: Variant) -> tuple[str | None, ...]:
         """Return the references of whether objects move now, one a section; None where saliency is not read."""

@@ -14,7 +14,9 @@ from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
 from moseg.workflows.exports.black_bars import describe_bars, find_bars, sampled
 from moseg.workflows.exports.doubts import BY_HAND, Advice, advise
+from moseg.workflows.exports.scene_cuts import describe_cuts
 from moseg.workflows.graph import SequenceGraph
+from moseg.workflows.graph.scene_cuts import SceneCuts
 from moseg.workflows.pipelines.leaves import ingest_sequences
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
@@ -63,6 +65,8 @@ class StoredSegmentation(NamedTuple):
         Identities of which the user drew a part.
     advice : Advice
         What may help where a mask is too small or too large.
+    cuts : tuple of SceneCuts
+        Where the cuts of each stretch are stored.
     cues : mapping of str to FrameCue
         Cues that the result was computed from, by name; their artifacts are stored if the run kept them.
     """
@@ -85,6 +89,7 @@ class StoredSegmentation(NamedTuple):
     names: Mapping[int, str] = {}
     drawn: frozenset[int] = frozenset()
     advice: Advice = BY_HAND
+    cuts: tuple[SceneCuts, ...] = ()
     cues: Mapping[str, FrameCue] = {}
 
     @property
@@ -105,7 +110,8 @@ class StoredSegmentation(NamedTuple):
     def about_picture(self, store: ArtifactStore) -> tuple[str, ...]:
         """Return what is worth a look in the frames themselves, whatever was found in them, in words."""
         images = [store.read(self.frame_refs[index], "image") for index in sampled(self.num_frames)]
-        return describe_bars(find_bars(images), self.analysed_shape, self.shape)
+        cuts = [each.first + row for each in self.cuts for row in store.attributes(each.ref)["cuts"]]
+        return (*describe_bars(find_bars(images), self.analysed_shape, self.shape), *describe_cuts(cuts))
 
     def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
         """Return labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
@@ -202,7 +208,7 @@ def segment(
 def sinks_of(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> tuple[str, ...]:
     """Return the references that a `StoredSegmentation` reads: labels, then what is known about them."""
     clustering = graph.clustering(variant)
-    beside = (*graph.moves_now(variant), *graph.confidences(variant))
+    beside = (*graph.moves_now(variant), *graph.confidences(variant), *(cuts.ref for cuts in graph.scene_cuts()))
     sinks = (*graph.segmentations(variant), *filter(None, beside))
     if clustering is None:
         return sinks
@@ -237,6 +243,7 @@ def read_stored(
         names=found.names,
         drawn=found.drawn,
         advice=advise(config, graph.leaves.choices),
+        cuts=graph.scene_cuts(),
         cues={name: cue.without_graph() for name, cue in frame_cues(graph, config, [variant]).items()},
     )
 

@@ -51,6 +51,7 @@ from moseg.workflows.stages import (
     rigid_support,
     rigidity,
     saliency,
+    scene_cuts,
     scene_parallax,
     score,
     seeds,
@@ -72,7 +73,7 @@ STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
         *(tags, detections, motion_prompts, instances, seeds),
-        *(repetitions, scene_parallax),
+        *(repetitions, scene_cuts, scene_parallax),
         *(flow, background, saliency, motion_network, consistency, accumulation, motion_memory, own_motion, coherence),
         *(appearance, motion_proof, video_network, foreground, components),
         *(dense_tracks, cameras, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),

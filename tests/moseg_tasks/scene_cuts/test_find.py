@@ -1,0 +1,41 @@
+"""Cuts: what changes at once and is not seen in the frame before."""
+
+import cv2
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import SceneCutParams
+from moseg.tasks.scene_cuts import find_cuts
+
+PARAMS = SceneCutParams()
+
+
+def _scene(seed, num_frames, speed=2, shape=(120, 214)):
+    """Return frames of a camera that pans over a texture, `speed` px a frame."""
+    rng = np.random.default_rng(seed)
+    noise = rng.integers(0, 256, (shape[0], shape[1] + speed * num_frames, 3)).astype(np.uint8)
+    texture = cv2.normalize(cv2.GaussianBlur(noise, (0, 0), 4), None, 0, 255, cv2.NORM_MINMAX)
+    return [texture[:, speed * index : speed * index + shape[1]] for index in range(num_frames)]
+
+
+@pytest.mark.parametrize("speed", [0, 2, 5])
+def test_a_cut_is_found_where_the_scene_changes(speed):
+    assert find_cuts([*_scene(0, 9, speed), *_scene(1, 7, speed), *_scene(2, 8, speed)], PARAMS) == [9, 16]
+
+
+@pytest.mark.parametrize("speed", [0, 2, 9, 60])
+def test_no_cut_is_found_in_one_scene_however_fast_the_camera_turns(speed):
+    assert find_cuts(_scene(0, 16, speed), PARAMS) == []
+
+
+def test_a_camera_that_starts_at_once_is_no_cut():
+    scene = _scene(0, 16, 4)
+    assert find_cuts([*[scene[0]] * 8, *scene], PARAMS) == []
+
+
+def test_no_cut_is_found_if_none_is_searched():
+    assert find_cuts([*_scene(0, 9), *_scene(1, 7)], SceneCutParams(max_consistent=0)) == []
+
+
+def test_the_first_and_last_frames_may_be_another_scene():
+    assert find_cuts([*_scene(1, 1), *_scene(0, 9), *_scene(2, 1)], PARAMS) == [1, 10]

@@ -1,0 +1,38 @@
+"""Cuts of a sequence, of which a run tells."""
+
+from typing import NamedTuple
+
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.stretches import Stretch, cut_stretches
+
+
+class SceneCuts(NamedTuple):
+    """Cuts of a stretch.
+
+    Attributes
+    ----------
+    ref : reference
+    first : int
+        Frame that the rows found are counted from.
+    """
+
+    ref: str
+    first: int
+
+
+def scene_cuts(nodes: Nodes) -> tuple[SceneCuts, ...]:
+    """Write the recipe of the cuts of each stretch of a sequence, and return them; none in two frames."""
+    params, frames = nodes.config.scene_cuts, nodes.leaves.frames
+    if params.max_consistent == 0 or len(frames) < 3:
+        return ()
+    found = []
+    for stretch in cut_stretches(len(frames), params.stretch_length):
+        read = Stretch(
+            max(stretch.start - 1 - params.window, 0),
+            min(stretch.stop + params.window, len(frames)),
+        )
+        # By their places among the frames read: the stretch's place in the video changes no key.
+        place = {"first": stretch.start - read.start, "last": stretch.stop - read.start}
+        inputs = {"frames": frames[read.start : read.stop]}
+        found.append(SceneCuts(nodes.add("scene_cuts", inputs, **place), read.start))
+    return tuple(found)
