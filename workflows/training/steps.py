@@ -77,17 +77,19 @@ def take_steps(
             step = learner.step
             losses.append(learner.learn(lambda step=step: loss_of_step(step)))
             is_shown = learner.step % params.interval == 0 or learner.step == params.steps
+            is_kept = is_shown or learner.step % CHECKPOINT_STEPS == 0
+            if is_kept:
+                # Only now, because it waits for the device.
+                losses = [float(loss) for loss in losses]
             if is_shown:
                 rate = learning_rate(step, params)
                 scores = validate()
-                losses = [float(loss) for loss in losses]
                 seconds = round(time.monotonic() - started, 1)
                 entry = {"step": learner.step, "loss": sum(losses) / len(losses), "rate": rate}
                 curve.append({**entry, **scores, "seconds": seconds})
                 losses = []
                 write_text(folder / CURVE, json.dumps(curve, indent=1) + "\n")
-            if is_shown or learner.step % CHECKPOINT_STEPS == 0:
-                losses = [float(loss) for loss in losses]
+            if is_kept:
                 Checkpoint(learner.state(), curve, losses).write(folder, settings)
             progress.advance("steps")
     return curve
