@@ -282,7 +282,10 @@ def test_a_section_of_tracks_without_objects_is_static():
 
 @pytest.fixture(scope="module")
 def walk(tmp_path_factory):
-    """Return a folder of frames in which nothing moves and a near post hides a wide sky: saliency proposes objects."""
+    """Return a folder of frames in which nothing moves and a near post hides a wide sky.
+
+    Without the motion network, saliency proposes objects there.
+    """
     folder = tmp_path_factory.mktemp("walk") / "frames"
     folder.mkdir()
     for number, image in enumerate(render_scene(BRIGHT_SKY.model_copy(update={"num_frames": 8})).images):
@@ -292,15 +295,19 @@ def walk(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def segment_walk(walk, tmp_path_factory):
-    """Return a function that segments the walk with some options; it returns the objects, the page and the store."""
+    """Return a function that segments the walk without the motion network, with some options.
+
+    It returns the objects, the page and the store.
+    """
     from moseg.workflows.cli.app import run
 
     folder = tmp_path_factory.mktemp("segmented")
 
     def call(*options):
         store, out, page = (folder / name for name in ("store", "out", "page.html"))
-        arguments = ("segment", walk, "--store", store, "--out", out, "--report", page, "--quiet", *options)
-        assert run([str(each) for each in arguments]) == 0
+        arguments = ("segment", walk, "--store", store, "--out", out, "--report", page, "--quiet")
+        options = ("--set", "motion_network.use=never", *options)
+        assert run([str(each) for each in (*arguments, *options)]) == 0
         objects = json.loads((out / "motion.json").read_text())["objects"]
         return objects, page.read_text(encoding="utf-8"), open_store(str(store), create=False)
 
@@ -326,7 +333,7 @@ def test_a_result_in_python_says_that_no_rigid_scene_explains_an_object(walk, tm
 
     images = [np.array(Image.open(path)) for path in sorted(walk.iterdir())]
     # No object is explained by a rigid scene if every test is too large.
-    config = {"rigid_support.max_test": -1.0, "rigid_support.min_observations": 1}
+    config = {"rigid_support.max_test": -1.0, "rigid_support.min_observations": 1, "motion_network.use": "never"}
     result = moseg.segment_video(images, config, store=tmp_path / "store", fps=10, progress=False)
     assert result.objects
     judged = [each for each in result.objects if "rigid" in each.static_support]
