@@ -7,7 +7,7 @@ from moseg.schemas.recipes import Recipe
 from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.pictures import Pictures
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
-from moseg.workflows.graph.stretches import Stretch, cut_stretches
+from moseg.workflows.graph.stretches import ReadStretch, Stretch, cut_stretches, read_around
 
 
 class Repetitions:
@@ -37,19 +37,15 @@ class Repetitions:
     def frames(self, found: Sequence[Sequence[int]]) -> tuple[int, ...]:
         """Return the frames of the video that the rows found in each stretch are."""
         return tuple(
-            self._shown[self._read(stretch).start + row]
+            self._shown[self._read(stretch).read.start + row]
             for stretch, rows in zip(self._stretches, found, strict=True)
             for row in rows
         )
 
     def _search(self, stretch: Stretch) -> str:
-        read = self._read(stretch)
-        frames = tuple(self._nodes.leaves.frames[self._shown[place]] for place in range(*read))
-        # By their places among the frames read: the stretch's place in the video changes no key.
-        place = {"first": stretch.start - read.start, "last": stretch.stop - read.start}
+        read, place = self._read(stretch)
+        frames = tuple(self._nodes.leaves.frames[self._shown[index]] for index in range(*read))
         return self._nodes.add("repetitions", {"frames": frames}, **place)
 
-    def _read(self, stretch: Stretch) -> Stretch:
-        """Return the stretch with the frames on either side with which it is compared."""
-        window = self._params.window
-        return Stretch(max(stretch.start - 1 - window, 0), min(stretch.stop + window, len(self._shown)))
+    def _read(self, stretch: Stretch) -> ReadStretch:
+        return read_around(stretch, self._params.window, len(self._shown))

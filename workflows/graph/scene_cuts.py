@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from moseg.workflows.graph.nodes import Nodes
-from moseg.workflows.graph.stretches import Stretch, cut_stretches
+from moseg.workflows.graph.stretches import cut_stretches, read_around
 
 
 class SceneCuts(NamedTuple):
@@ -27,12 +27,7 @@ def scene_cuts(nodes: Nodes) -> tuple[SceneCuts, ...]:
         return ()
     found = []
     for stretch in cut_stretches(len(frames), params.stretch_length):
-        read = Stretch(
-            max(stretch.start - 1 - params.window, 0),
-            min(stretch.stop + params.window, len(frames)),
-        )
-        # By their places among the frames read: the stretch's place in the video changes no key.
-        place = {"first": stretch.start - read.start, "last": stretch.stop - read.start}
+        read, place = read_around(stretch, params.window, len(frames))
         inputs = {"frames": frames[read.start : read.stop]}
         found.append(SceneCuts(nodes.add("scene_cuts", inputs, **place), read.start))
     return tuple(found)

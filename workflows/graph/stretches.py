@@ -29,6 +29,30 @@ def cut_stretches(number: int, length: int) -> tuple[Stretch, ...]:
     return tuple(map(Stretch, starts, [*starts[1:], number]))
 
 
+class ReadStretch(NamedTuple):
+    """A stretch with the frames on either side that are read with it.
+
+    Attributes
+    ----------
+    read : Stretch
+    place : dict of str to int
+        Rows ``first`` .. ``last`` of the frames read that are those of the stretch itself: its place in the video
+        changes no key.
+    """
+
+    read: Stretch
+    place: dict[str, int]
+
+
+def read_around(stretch: Stretch, window: int, number: int) -> ReadStretch:
+    """Return a stretch of `number` frames with the changes of `window` frames before its first one and after its last.
+
+    A change is that from the frame before, so one frame more is read at the beginning.
+    """
+    read = Stretch(max(stretch.start - 1 - window, 0), min(stretch.stop + window, number))
+    return ReadStretch(read, {"first": stretch.start - read.start, "last": stretch.stop - read.start})
+
+
 def choose_pairs(stretch: Stretch, params: SceneParallaxParams) -> list[tuple[int, int]]:
     """Return the first and last frame of the pairs of a stretch, spread over it evenly."""
     num_frames = stretch.stop - stretch.start
