@@ -57,4 +57,5 @@ def consistent_share(image0: np.ndarray, image1: np.ndarray, max_error: float) -
 def _reduce(image: np.ndarray, side: int) -> np.ndarray:
     """Return a frame with a longer side of at most `side`, px."""
     factor = min(side / max(image.shape[:2]), 1)
-    return cv2.resize(image, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA)
+    height, width = (max(round(factor * length), 1) for length in image.shape[:2])
+    return cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)

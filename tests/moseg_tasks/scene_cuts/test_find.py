@@ -28,6 +28,11 @@ def test_no_cut_is_found_in_one_scene_however_fast_the_camera_turns(speed):
     assert find_cuts(_scene(0, 16, speed), PARAMS) == []
 
 
+@pytest.mark.parametrize("shape", [(2, 900), (900, 2), (48, 854), (20, 30)])
+def test_frames_of_any_shape_are_searched(shape):
+    assert set(find_cuts([*_scene(0, 8, shape=shape), *_scene(1, 8, shape=shape)], PARAMS)) <= {8}
+
+
 def test_a_camera_that_starts_at_once_is_no_cut():
     scene = _scene(0, 16, 4)
     assert find_cuts([*[scene[0]] * 8, *scene], PARAMS) == []
