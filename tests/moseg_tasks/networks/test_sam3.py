@@ -193,6 +193,14 @@ def test_tracking_keeps_the_seeds_and_does_not_depend_on_other_objects(tracker, 
     assert (together == alone).mean() > 0.999
 
 
+def test_masks_are_tracked_under_autocast_to_float16(tracker, image, seeds):
+    # The memory of masks is in bfloat16, which autocast to another type refuses to join with the objects' pointers.
+    with torch.autocast("cpu", dtype=torch.float16):
+        masks = track_masks_sam2(tracker, [image] * 3, seeds, Sam3Params())
+    np.testing.assert_array_equal(masks[0], seeds)
+    assert masks.shape == (3, *seeds.shape) and masks.max() <= seeds.max()
+
+
 def test_no_seeds_give_no_masks(tracker, image):
     assert not track_masks_sam2(tracker, [image] * 2, np.zeros((96, 128), np.uint16), PARAMS).any()
 
