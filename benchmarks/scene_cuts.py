@@ -24,8 +24,13 @@ PARAMS = SceneCutParams()
 
 
 def read_clip(folder: Path) -> list[np.ndarray]:
-    """Return the frames of a clip, uint8 (y, x, 3), at twice the size at which cuts are searched."""
+    """Return the frames of a clip, uint8 (y, x, 3), at twice the size at which cuts are searched.
+
+    Raises FileNotFoundError if there are none.
+    """
     frames = [cv2.imread(str(path)) for path in sorted(folder.iterdir()) if path.suffix.lower() in SUFFIXES]
+    if not frames:
+        raise FileNotFoundError(f"no frames in {folder}")
     factor = 2 * PARAMS.side / max(frames[0].shape[:2])
     return [cv2.resize(frame, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA) for frame in frames]
 
