@@ -31,6 +31,13 @@ class ExportChoices(NamedTuple):
     dilate: int | None = None
 
 
+class Written(NamedTuple):
+    """What was written: the paths, and what is worth a look in the result."""
+
+    paths: tuple[Path, ...]
+    look_at: tuple[str, ...]
+
+
 class Corrector(Protocol):
     """A result that stays open between corrections."""
 
@@ -48,7 +55,7 @@ class Opened:
         Without any correction.
     correct : Corrector
     write : function of what to write
-        Writes the result of the corrections in force into the output folder and returns the paths.
+        Writes the result of the corrections in force into the output folder.
     prepare : tuple of functions without arguments
         Steps, each short, that compute what the first change of a setting would wait for.
     repair : function of a reference
@@ -63,11 +70,13 @@ class Opened:
         Words of a command without corrections that gives the first result.
     growing : tuple of str
         Ways in which an object can grow from a click.
+    look_at : tuple of str
+        What is worth a look in the result that the output folder has, if it has one.
     """
 
     first: ShownResult
     correct: Corrector
-    write: Callable[[ExportChoices], tuple[Path, ...]]
+    write: Callable[[ExportChoices], Written]
     prepare: tuple[Callable[[], None], ...]
     repair: Callable[[str], None]
     video: str | None
@@ -75,3 +84,4 @@ class Opened:
     has_video: bool
     words: tuple[str, ...]
     growing: tuple[str, ...] = ()
+    look_at: tuple[str, ...] = ()

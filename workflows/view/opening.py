@@ -16,12 +16,12 @@ from moseg.workflows.config.frame_range import FrameRange
 from moseg.workflows.config.frame_rate import choose_fps
 from moseg.workflows.config.pipeline_choices import PipelineChoices
 from moseg.workflows.datasets import SequenceSource
-from moseg.workflows.exports.motion_json import SequenceSummary
+from moseg.workflows.exports.motion_json import SequenceSummary, read_motion
 from moseg.workflows.exports.outputs import MOTION, check_outputs, check_same_video
 from moseg.workflows.pipelines.correct import OpenRun
 from moseg.workflows.pipelines.purpose import Purpose
 from moseg.workflows.view.growing_methods import list_growing_methods
-from moseg.workflows.view.opened import ExportChoices, Opened
+from moseg.workflows.view.opened import ExportChoices, Opened, Written
 from moseg.workflows.view.shown_result import ShownResult
 from moseg.workflows.view.stored_frames import StoredFrames, find_origin
 from moseg.workflows.view.stored_runs import StoredRun
@@ -71,9 +71,9 @@ def video_opening(path: str, name: str | None, options: OpenOptions) -> Opening:
         check_outputs(str(options.out), path)
         check_same_video(str(options.out), video.origin, video.name)
         opened = _open(video, options, ("segment", path, *options.options))
-        if not (options.out / MOTION).exists():
-            opened.write(ExportChoices())
-        return opened
+        file = options.out / MOTION
+        found = read_motion(file) if file.exists() else opened.write(ExportChoices())
+        return replace(opened, look_at=found.look_at)
 
     return open_video
 
@@ -108,7 +108,8 @@ def run_opening(run: StoredRun, out: Path, settings: RunSettings, summary: Seque
             OpenRun(session, source, run.variant, purpose, leaves, base), source, origin, PipelineChoices(base), fps
         )
         options = OpenOptions(out, PipelineChoices(base), FrameRange(), fps, run.variant, settings)
-        return _open(video, options, words)
+        opened = _open(video, options, words)
+        return opened if summary is None else replace(opened, look_at=summary.look_at)
 
     return open_stored
 
@@ -133,7 +134,7 @@ def _open(video: OpenVideo, options: OpenOptions, words: Sequence[str]) -> Opene
             fps=video.fps,
         )
 
-    def write(choices: ExportChoices) -> tuple[Path, ...]:
+    def write(choices: ExportChoices) -> Written:
         return write_result(video, options.out, choices, options.thinned_fps)
 
     # Both are asked for while the video is there: it may be removed later.

@@ -136,6 +136,7 @@ def _describe_result(session: ViewSession, moment: Moment) -> dict[str, Any]:
         "nextIdentity": next_identity(known, moment.corrections),
         "growing": list(opened.growing),
         "cues": list(moment.cues),
+        "lookAt": list(moment.look_at),
         "settings": list_settings(opened.first.config, moment.corrections),
         "corrections": {
             "edits": list(map(describe_edit, moment.corrections.edits)),

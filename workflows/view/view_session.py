@@ -60,6 +60,8 @@ class Moment:
     can_undo, can_redo : bool
     cues : tuple of dict
         As `CuePictures.list` has them.
+    look_at : tuple of str
+        What is worth a look in the result as it was written last.
     """
 
     revision: int
@@ -72,6 +74,7 @@ class Moment:
     can_undo: bool = False
     can_redo: bool = False
     cues: tuple[dict, ...] = ()
+    look_at: tuple[str, ...] = ()
 
 
 class ViewSession:
@@ -188,7 +191,7 @@ class ViewSession:
             self._stack.close()
             raise
         self._history, self._cues = history, cues
-        self._show(shown, phase=Phase.READY, name=shown.name, opened=opened, cues=listed)
+        self._show(shown, phase=Phase.READY, name=shown.name, opened=opened, cues=listed, look_at=opened.look_at)
         # After the page has the result; a change of it waits for one step at most.
         for step in opened.prepare:
             self._worker.spare(self._reported, step)
@@ -205,7 +208,10 @@ class ViewSession:
 
     def _export(self, revision: int, choices: ExportChoices) -> tuple[Path, ...]:
         self._checked(revision)
-        return self._moment.opened.write(choices)
+        written = self._moment.opened.write(choices)
+        if written.look_at != self._moment.look_at:
+            self._change(look_at=written.look_at)
+        return written.paths
 
     def _repair(self, error: CorruptArtifactError | MissingArtifactError) -> None:
         what, where = error.parts[:2]

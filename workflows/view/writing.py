@@ -6,14 +6,14 @@ from moseg.schemas.errors import InputError
 from moseg.workflows.api.open_run import OpenVideo
 from moseg.workflows.config.frame_range import read_step
 from moseg.workflows.exports.overlay_style import OverlayMode, OverlayStyle
-from moseg.workflows.view.opened import ExportChoices
+from moseg.workflows.view.opened import ExportChoices, Written
 
 SIZES = ("analysed", "video")
 NO_OVERLAY = "none"
 
 
-def write_result(video: OpenVideo, out: Path, choices: ExportChoices, fps: float | None) -> tuple[Path, ...]:
-    """Write masks, summary and what is chosen of the corrections in force, and return the paths.
+def write_result(video: OpenVideo, out: Path, choices: ExportChoices, fps: float | None) -> Written:
+    """Write masks, summary and what is chosen of the corrections in force.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def write_result(video: OpenVideo, out: Path, choices: ExportChoices, fps: float
     InputError
         Something is wrong in the choices, needs the video where that is not known, or cannot be written.
     """
-    _, written = video.save(
+    summary, paths = video.save(
         out,
         style=_read_style(choices),
         has_full_size=_is_full_size(choices),
@@ -36,7 +36,7 @@ def write_result(video: OpenVideo, out: Path, choices: ExportChoices, fps: float
         step=None if choices.every is None else read_step(choices.every, "--for-every"),
         fps=fps,
     )
-    return written
+    return Written(paths, summary.look_at)
 
 
 def _read_style(choices: ExportChoices) -> OverlayStyle | None:

@@ -7,6 +7,7 @@ import { startEvidence } from "./evidence.js";
 import { startExport } from "./export.js";
 import { startInspector } from "./inspector.js";
 import { startKeys } from "./keys.js";
+import { startLookAt } from "./look_at.js";
 import { model, on } from "./model.js";
 import { startPlayer } from "./player.js";
 import { startRejected } from "./rejected.js";
@@ -17,7 +18,7 @@ import { startStrokes } from "./strokes.js";
 import { startTimeline } from "./timeline.js";
 import { startTools } from "./tools.js";
 
-for (const start of [startStart, startStates, startPlayer, startTools, startStrokes, startTimeline, startInspector, startSettings, startRejected, startEvidence, startCorrections, startExport, startKeys]) start();
+for (const start of [startStart, startStates, startPlayer, startTools, startStrokes, startTimeline, startInspector, startSettings, startLookAt, startRejected, startEvidence, startCorrections, startExport, startKeys]) start();
 
 find("message").querySelector("button").addEventListener("click", () => showMessage(""));
 on("fault", () => showMessage(model.fault));
