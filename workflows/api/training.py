@@ -22,6 +22,7 @@ from moseg.workflows.sources.video_folder import list_videos
 from moseg.workflows.training.clip_files import ClipFolder
 from moseg.workflows.training.requirements import require_packages
 from moseg.workflows.training.result import Trained, check_result
+from moseg.workflows.training.start import Start
 
 if TYPE_CHECKING:
     from moseg.schemas.configs import PipelineConfig
@@ -32,6 +33,7 @@ MIN_FRAMES = 5
 
 
 def run_scene_training(
+    start: str | None,
     out: str,
     folder: str,
     seed: int,
@@ -41,12 +43,16 @@ def run_scene_training(
     quiet: bool,
     settings: Iterable[tuple[str, object]],
 ) -> Trained:
-    """Train the network on rendered scenes and write it to `out`; see `train_on_scenes`."""
-    from moseg.workflows.training.rendered_scenes import train_on_scenes
+    """Train the network on rendered scenes, from random weights or from those of the file `start`; write it to `out`.
 
+    See `train_on_scenes`.
+    """
     params = read_params(NetworkTrainingParams, settings)
     path = prepare(out, workers, threads, device)
-    return train_on_scenes(path, Path(folder), params, seed, workers, threads, quiet)
+    from moseg.workflows.training.rendered_scenes import train_on_scenes
+
+    begun = None if start is None else _read_start(start)
+    return train_on_scenes(path, Path(folder), begun, params, seed, workers, threads, quiet)
 
 
 def run_video_training(
@@ -68,21 +74,24 @@ def run_video_training(
     """
     params = read_params(VideoTrainingParams, settings)
     path = prepare(out, workers, threads, device)
-    # Only now, because they import torch and onnx.
-    from moseg.tasks.motion_network.restore import from_onnx
+    begun = _read_start(start)
+    # Only now, because it imports torch.
     from moseg.workflows.training.videos import train_on_clips
 
-    content = MotionWeights(start).read().tobytes()
-    network = from_onnx(content)
     config = cue_config(PipelineChoices().read())
     sources = _open_videos(videos, config)
     with open_session(store, workers=workers if workers > 1 else 0, quiet=quiet) as session:
         clips = [clip for source in sources for clip in _clips_of(session, source, config, params, Path(folder))]
-    made = {
-        "start": sha256(content).hexdigest(),
-        "clips": digest_json("clips", [each.parent.name for each in clips]),
-    }
-    return train_on_clips(path, Path(folder), network, clips, params, seed, workers, threads, quiet, made)
+    made = {"clips": digest_json("clips", [each.parent.name for each in clips])}
+    return train_on_clips(path, Path(folder), begun, clips, params, seed, workers, threads, quiet, made)
+
+
+def _read_start(file: str) -> Start:
+    """Return the network in a file, or without a name the one that comes with this program; raises InputError."""
+    from moseg.tasks.motion_network.restore import from_onnx
+
+    content = MotionWeights(file).read().tobytes()
+    return Start(from_onnx(content), sha256(content).hexdigest())
 
 
 def _open_videos(folder: str, config: "PipelineConfig") -> list[SequenceSource]:

@@ -54,21 +54,20 @@ def train(
             autocompletion=completion.complete_device,
         ),
     ] = "auto",
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            help="ONNX file to go on from (default: random weights; with --videos the network of this program).",
+            metavar="FILE",
+        ),
+    ] = None,
     videos: Annotated[
         str | None,
         typer.Option(
             "--videos",
             help="Go on from a trained network on the videos in this folder, which need no labels.",
             metavar="FOLDER",
-            rich_help_panel=_PANEL,
-        ),
-    ] = None,
-    start: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            help="ONNX file to go on from (default: the network of this program).",
-            metavar="FILE",
             rich_help_panel=_PANEL,
         ),
     ] = None,
@@ -93,6 +92,7 @@ def train(
     --------
     moseg train --out network.onnx --folder training
     moseg train --out small.onnx --scenes 1000 --steps 1000
+    moseg train --from network.onnx --out further.onnx --folder further --steps 1000 --set rate=0.0003
     moseg train --videos my-videos --out mine.onnx --folder my-training
     """
     from moseg.workflows.api.training import run_scene_training, run_video_training
@@ -101,10 +101,9 @@ def train(
     chosen = [*map(_read_setting, settings or ()), ("scenes", scenes), ("steps", steps)]
     common = (out, folder, seed, workers or cores, threads or cores, device, quiet, chosen)
     if videos is None:
-        for option, value in (("--from", start), ("--store", store)):
-            if value:
-                raise InputError("no videos to go on with", where=option, got=value, expected="--videos FOLDER too")
-        done = run_scene_training(*common)
+        if store:
+            raise InputError("no videos to go on with", where="--store", got=store, expected="--videos FOLDER too")
+        done = run_scene_training(start, *common)
     else:
         done = run_video_training(videos, start or "", store or default_store(), *common)
     print(f"{done.onnx}: {_describe(done.scores)}; recipe in {done.recipe}")

@@ -1,4 +1,4 @@
-"""Training of the motion network from random weights on rendered scenes."""
+"""Training of the motion network on rendered scenes, from random weights or from a trained network."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -14,6 +14,7 @@ from moseg.workflows.training.drawing import draw_shards
 from moseg.workflows.training.result import Trained, write_result
 from moseg.workflows.training.sample_reader import SampleReader
 from moseg.workflows.training.shards import DRAWING_VERSION, Shard, plan_shards
+from moseg.workflows.training.start import Start
 from moseg.workflows.training.steps import take_steps
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ _VALIDATION_BATCH = 20
 def train_on_scenes(
     out: Path,
     folder: Path,
+    start: Start | None,
     params: NetworkTrainingParams,
     seed: int,
     workers: int,
@@ -42,6 +44,8 @@ def train_on_scenes(
         The ONNX file.
     folder : Path
         Of scenes, checkpoint and curve; 1.3 MB a scene.
+    start : Start or None
+        None starts from random weights.
     params : NetworkTrainingParams
     seed : int
     workers, threads : int
@@ -67,9 +71,10 @@ def train_on_scenes(
     pin_threads(threads)
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
-    learner = Learner(MotionUNet(), params, current_device())
+    network = MotionUNet() if start is None else start.network
+    learner = Learner(network, params, current_device(), normalises=start is None)
     reader = SampleReader(learner.device)
-    settings = {**scene_settings(params, seed), "start": "random weights"}
+    settings = {**scene_settings(params, seed), "start": "random weights" if start is None else start.sha256}
     curve = take_steps(
         learner,
         params,
@@ -78,6 +83,7 @@ def train_on_scenes(
         folder,
         settings,
         quiet,
+        shows_start=start is not None,
     )
     return write_result(learner.average, out, settings, curve)
 

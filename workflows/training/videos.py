@@ -17,6 +17,7 @@ from moseg.workflows.training.rendered_scenes import draw_batch, scene_shards, s
 from moseg.workflows.training.result import Trained, write_result
 from moseg.workflows.training.sample_reader import SampleReader
 from moseg.workflows.training.shards import DRAWING_VERSION
+from moseg.workflows.training.start import Start
 from moseg.workflows.training.steps import take_steps
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 def train_on_clips(
     out: Path,
     folder: Path,
-    network: "MotionUNet",
+    start: Start,
     clips: Sequence[Path],
     params: VideoTrainingParams,
     seed: int,
@@ -44,12 +45,11 @@ def train_on_clips(
     ----------
     out, folder, seed, workers, threads, quiet
         As of `train_on_scenes`.
-    network : MotionUNet
-        To go on from, in its state of inference.
+    start : Start
     clips : sequence of Path
     params : VideoTrainingParams
     settings : dict
-        What the start and the clips depend on, as in JSON.
+        What the clips depend on, as in JSON.
 
     Raises
     ------
@@ -69,9 +69,9 @@ def train_on_clips(
     pin_threads(threads)
     torch.set_num_threads(threads)
     device = current_device()
-    before = copy.deepcopy(network).to(device, memory_format=torch.channels_last).eval()
+    before = copy.deepcopy(start.network).to(device, memory_format=torch.channels_last).eval()
     # The normalisations are merged into the convolutions: there are no statistics to learn.
-    learner = Learner(network, own, device, normalises=False)
+    learner = Learner(start.network, own, device, normalises=False)
     reader = SampleReader(device)
 
     def loss_of_step(step: int) -> "Tensor":
@@ -79,7 +79,8 @@ def train_on_clips(
         replayed = _keep_loss(learner.logits, before, draw_batch(reader, shards, own, seed, step).channels)
         return params.replay * replayed + _clip_loss(learner.logits, before, clip, params, device)
 
-    settings = {"seed": seed, "scenes_version": DRAWING_VERSION, **settings, **params.model_dump(mode="json")}
+    drawn = {"seed": seed, "scenes_version": DRAWING_VERSION, "start": start.sha256}
+    settings = {**drawn, **settings, **params.model_dump(mode="json")}
     validate = partial(score_scenes, learner, reader, held_out)
     curve = take_steps(learner, own, loss_of_step, validate, folder, settings, quiet, shows_start=True)
     return write_result(learner.average, out, settings, curve)

@@ -22,3 +22,17 @@ def options(scene_files):
     """Return the options of `moseg train` for the tiny training, without its folder."""
     settings = [f"--set={name}={value}" for name, value in TINY.items()]
     return ["train", *settings, "--workers", "1", "--threads", "1", "--device", "cpu", "--quiet"]
+
+
+@pytest.fixture(scope="session")
+def start(tmp_path_factory):
+    """Return the file of a network with random weights."""
+    import torch
+
+    from moseg.tasks.motion_network.export import to_onnx
+    from moseg.tasks.motion_network.unet import MotionUNet
+
+    torch.manual_seed(0)
+    path = tmp_path_factory.mktemp("start") / "start.onnx"
+    path.write_bytes(to_onnx(MotionUNet().eval()))
+    return path

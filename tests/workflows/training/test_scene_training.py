@@ -79,6 +79,19 @@ def test_the_recipe_names_the_file(moseg, options, folder, tmp_path):
     read_network(content)
 
 
+def test_a_training_goes_on_from_a_network(moseg, options, folder, start, tmp_path):
+    ran = moseg(*options, "--from", start, "--folder", folder, "--out", tmp_path / "further.onnx")
+    assert (ran.code, ran.err) == (0, "")
+    assert (
+        json.loads((tmp_path / "further.json").read_text())["start"] == hashlib.sha256(start.read_bytes()).hexdigest()
+    )
+    # Its scores before the first step are those of the start, which the folder's other trainings do not begin with.
+    curve = json.loads((folder / "curve.json").read_text())
+    assert [entry["step"] for entry in curve] == [0, 2, 4] and curve[0]["loss"] is None
+    ran = moseg(*options, "--folder", folder, "--out", tmp_path / "anew.onnx")
+    assert ran.code == 2 and "start" in ran.err and "--folder" in ran.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
@@ -91,7 +104,7 @@ def test_the_recipe_names_the_file(moseg, options, folder, tmp_path):
         ("--workers 100000", "--workers"),
         ("--device gpu", "--device"),
         ("--store cues", "--videos"),
-        ("--from network.onnx", "--videos"),
+        ("--from network.onnx", "network.onnx"),
     ],
 )
 def test_bad_use_is_one_line(moseg, arguments, word, tmp_path):
