@@ -40,10 +40,10 @@ def test_the_declaration_of_a_stage_is_consistent(stage):
 
 BY_PLACE = (
     *("score", "foreground", "object_hypotheses", "rigid_support", "segmentation"),
-    *("saliency", "motion_proof"),
+    *("saliency", "motion_proof", "clustering"),
 )
-"""Stages whose method follows from what the sequence has, the kind of motion model, proposals, corrections, or
-repeated frames."""
+"""Stages whose method follows from what the sequence has, the kind of motion model, proposals, corrections,
+repeated frames, or scenes."""
 
 
 def _choose(choice, backend):

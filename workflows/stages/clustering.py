@@ -1,5 +1,7 @@
 """Clustering: motion groups of a sequence's objects from the affinities of one or several motion models."""
 
+import numpy as np
+
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOVING_SOURCES, PipelineConfig
 from moseg.schemas.parameters import ClusteringParams
@@ -46,6 +48,15 @@ def _run(params, inputs, rng):
     )
 
 
+def _run_scenes(params, inputs, rng):
+    from moseg.tasks.scenes import join_motions
+
+    motion = join_motions([scene.cached("motion") for scene in inputs.all("scenes")])
+    # Coordinates of different scenes are not comparable: the clusterings of the scenes have them.
+    arrays = {"motion": motion, "embedding": np.zeros((len(motion), 0)), "eigenvalues": np.zeros((0, 0))}
+    return Output(arrays, {"num_motions": int(motion.max()) + 1})
+
+
 def _params(config: PipelineConfig, num_views: int, num_motions: int | None, has_rigid: bool = False) -> dict:
     """Return the parameters that a clustering of so many views reads.
 
@@ -73,6 +84,7 @@ def _params(config: PipelineConfig, num_views: int, num_motions: int | None, has
 
 
 MOTION_GROUPS = Task("clustering", "motion-groups", version=5, run=_run, params=_params)
+OF_SCENES = Task("clustering", "scenes", version=1, run=_run_scenes)
 
 STAGE = Stage(
     name="clustering",
@@ -82,11 +94,12 @@ STAGE = Stage(
         "tracks": "tracks of every section, if the number of motions is found from them",
         "linking": "identities of the objects, beside the tracks",
         "rigid_support": "of the objects, by every section in which they are compared with a rigid scene",
+        "scenes": "clustering of every scene, in place of all these, where scenes were segmented apart",
     },
     arrays={
         "motion": layout("uint16", "object", "motion group, 0 = the background's"),
         "embedding": layout("float64", "object coordinate"),
         "eigenvalues": layout("float64", "view eigenvalue"),
     },
-    tasks=(MOTION_GROUPS,),
+    tasks=(MOTION_GROUPS, OF_SCENES),
 )

@@ -7,6 +7,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import MOTION_SOURCES, PipelineConfig
 from moseg.schemas.parameters import IdentityParams, LinkingParams
+from moseg.workflows.stages.corrected_objects import object_names
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -60,6 +61,20 @@ def _run_given(params, inputs, rng):
     return Output({"identity": identity}, result)
 
 
+def _run_scenes(params, inputs, rng):
+    from moseg.tasks.scenes import join_objects
+
+    scenes = inputs.all("scenes")
+    names = [object_names(scene.attributes) for scene in scenes]
+    identity, joined = join_objects([scene.cached("identity") for scene in scenes], names)
+    result = {"num_objects": len(joined)}
+    if any("given" in scene.attributes for scene in scenes):
+        result["given"] = joined[1:].tolist()
+    if all("tags" in scene.attributes for scene in scenes):
+        result["tags"] = [tag for scene in scenes for tag in scene.attributes["tags"]]
+    return Output({"identity": identity}, result)
+
+
 def _overlap_params(config: PipelineConfig, lengths: list[int], seen: list[int]) -> dict:
     """Return the parameters of sections of these lengths, of which those with the indices `seen` have sightings."""
     read = {"lengths": lengths, "linking": config.linking.model_dump(mode="json")}
@@ -70,6 +85,7 @@ def _overlap_params(config: PipelineConfig, lengths: list[int], seen: list[int])
 
 BY_OVERLAP = Task("linking", "overlap", version=2, run=_run_overlap, params=_overlap_params)
 BY_IDENTITY = Task("linking", "identity", version=1, run=_run_given)
+OF_SCENES = Task("linking", "scenes", version=1, run=_run_scenes)
 
 STAGE = Stage(
     name="linking",
@@ -77,9 +93,10 @@ STAGE = Stage(
     inputs={
         "proposals": "objects of every section",
         "sightings": "where they begin and end, of the sections whose objects come from saliency",
+        "scenes": "linking of every scene, in place of them, where scenes were segmented apart",
     },
     arrays={"identity": layout("uint16", "section object", "object of the sequence, 0 = background")},
-    tasks=(BY_OVERLAP, BY_IDENTITY),
+    tasks=(BY_OVERLAP, BY_IDENTITY, OF_SCENES),
     # Only proposals found by their motion have no identities of their own from one section to the next.
     method=lambda config: "overlap" if config.proposal_source in MOTION_SOURCES else "identity",
 )
