@@ -39,6 +39,11 @@ class StretchChoice(Frozen):
     wander_deg: float
     shows_depth: bool
 
+    def moved(self, num_frames: int) -> "StretchChoice":
+        """Return the choice of a stretch that begins so many frames later."""
+        frames = {"first_frame": self.first_frame + num_frames, "last_frame": self.last_frame + num_frames}
+        return self.model_copy(update=frames)
+
     def __str__(self) -> str:
         figures = f"gain {self.gain:.2f}, epipole inside {self.inside:.2f}, heading wanders {self.wander_deg:.1f} deg"
         told = f"{self.reason}; {figures}" if self.moving else self.reason

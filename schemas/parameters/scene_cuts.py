@@ -11,8 +11,14 @@ from moseg.schemas.units import Unit
 class SceneCutParams(Frozen):
     """Change of each frame against those around it, and the share of its pixels that flow finds in the frame before.
 
-    What is found is told, and changes nothing in the result.
+    A user's video is segmented scene by scene; the sequences of data sets are not searched.
     """
+
+    apart: bool = Field(
+        True,
+        description="whether each scene between two cuts is segmented like a video of its own; if not, cuts are only "
+        "named, and the video is segmented as one scene",
+    )
 
     min_change: Annotated[float, Unit.RATIO] = Field(
         1.25,

@@ -46,6 +46,12 @@ def test_many_cuts_are_counted():
     assert line.startswith("cuts before frames 1, 2, 3, 4, 5, 6, 7, 8 and 11 more: ")
 
 
+def test_cuts_between_scenes_that_were_segmented_apart_are_named_first():
+    apart, other = describe_cuts((1, 4, 9), apart=(4, 9))
+    assert apart.startswith("cuts before frames 4, 9: the scenes are segmented apart")
+    assert other.startswith("cut before frame 1: objects are not followed over it")
+
+
 def test_a_run_says_where_the_scene_changes(moseg, write_squares, tmp_path):
     """The shot of other squares begins with frame 6, and is found again from the store."""
     first, second = (write_squares(tmp_path / str(seed), num_frames=6, seed=seed) / "frames" for seed in (0, 7))

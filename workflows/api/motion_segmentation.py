@@ -119,7 +119,7 @@ class MotionSegmentation:
             One of `cues`.
         frame : int
             Counted from 0; from -1 backwards. ``flow`` and ``residual_flow`` lead to the next frame, or to the next one
-            that does not repeat this frame: the last frame has neither.
+            that does not repeat this frame: the last frame of a scene has neither.
 
         Returns
         -------
@@ -143,8 +143,9 @@ class MotionSegmentation:
         if cue is None:
             raise InputError("no such cue", where="name", got=repr(name), expected=", ".join(self.cues) or "no cue")
         index = _place_frame(frame, self.num_frames)
-        if index >= cue.num_frames:
-            raise IndexError(f"{name} leads to the next frame, and frame {index} is the last one or repeated up to it")
+        if index not in cue.frames:
+            reason = f"frame {index} is the last one of its scene, or repeated up to it"
+            raise IndexError(f"{name} leads to the next frame, and {reason}")
         refs = cue.refs(index)
         if not self._store.present(set(refs)).issuperset(refs):
             got, expected = "a run that did not keep its cues", "segment_video(…, keep_cues=True)"
@@ -222,11 +223,12 @@ class MotionSegmentation:
 
     @cached_property
     def affinities(self) -> dict[str, np.ndarray]:
-        """Affinity between objects under each motion model, float64 (k, k), 0..1; NaN where two share no frame pair.
+        """Affinity between objects under each motion model, float64 (k, k), 0..1; NaN where two share no frame pair,
+        as objects of different scenes do.
 
         Row 0 is the background's, the others `row_identities` names. Empty for the variant ``base``.
         """
-        return {view: self._store.read(ref, "affinity") for view, ref in self._stored.affinity_refs.items()}
+        return self._stored.evidence.affinities(self._store)
 
     @cached_property
     def residuals(self) -> dict[str, np.ndarray]:
@@ -236,10 +238,7 @@ class MotionSegmentation:
         invalid or the object absent. Rows as those of `affinities`. Empty for the variant ``base``, and where
         affinities come from hypotheses alone.
         """
-        return {
-            view: np.concatenate([self._store.read(ref, "residual") for ref in refs])
-            for view, refs in self._stored.residual_refs.items()
-        }
+        return self._stored.evidence.residuals(self._store)
 
     @named_as_arguments()
     def save(

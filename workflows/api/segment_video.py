@@ -252,9 +252,7 @@ def _describe_objects(
         advice=stored.advice,
         about_picture=stored.about_picture(store),
     )
-    supports = {view: store.read(ref, "static_support") for view, ref in stored.affinity_refs.items()}
-    if stored.rigid_support is not None:
-        supports["rigid"] = stored.rigid_support
+    supports = stored.evidence.static_supports(store)
     row_of = {identity: row for row, identity in enumerate(stored.rows)}
     objects = tuple(
         MovingObject(

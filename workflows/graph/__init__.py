@@ -1,6 +1,7 @@
 """The graph of a sequence, or of a clip of trajectories: recipes, from a sink back to the decoded leaves."""
 
 from moseg.workflows.graph.repetitions import Repetitions
+from moseg.workflows.graph.scenes_graph import make_graph
 from moseg.workflows.graph.sequence_graph import SequenceGraph
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
 from moseg.workflows.graph.stretches import Stretches
@@ -15,4 +16,5 @@ __all__ = [
     "Stretches",
     "TrajectoryGraph",
     "TrajectoryLeaves",
+    "make_graph",
 ]

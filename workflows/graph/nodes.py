@@ -21,6 +21,11 @@ Inputs = dict[str, str | tuple[str, ...]]
 class Nodes:
     """Recipes of one sequence or clip under one configuration, by reference.
 
+    Parameters
+    ----------
+    recipes : mapping of reference to Recipe, optional
+        Those of other nodes, which these are to share.
+
     Attributes
     ----------
     leaves : SequenceLeaves or TrajectoryLeaves
@@ -29,20 +34,27 @@ class Nodes:
         Written so far, also by the nodes that these were made from.
     """
 
-    def __init__(self, leaves: SequenceLeaves | TrajectoryLeaves, config: PipelineConfig):
+    def __init__(
+        self,
+        leaves: SequenceLeaves | TrajectoryLeaves,
+        config: PipelineConfig,
+        recipes: MutableMapping[str, Recipe] | None = None,
+    ):
         self.leaves = leaves
         self.config = config
-        self.recipes: MutableMapping[str, Recipe] = {}
+        self.recipes: MutableMapping[str, Recipe] = {} if recipes is None else recipes
         self._without_place: dict[tuple[str, str | None], tuple[Recipe, dict[str, str]]] = {}
 
-    def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "Nodes":
-        """Return nodes under another configuration, which have the recipes of these too.
+    def changed(
+        self, leaves: SequenceLeaves, config: PipelineConfig, recipes: MutableMapping[str, Recipe] | None = None
+    ) -> "Nodes":
+        """Return nodes under another configuration, which have the recipes of these too, in `recipes` if it is given.
 
         These do not have what the new ones write: of a slider that is moved for hours, nothing is kept.
         """
-        nodes = Nodes(leaves, config)
-        nodes.recipes = ChainMap({}, *getattr(self.recipes, "maps", [self.recipes]))
-        return nodes
+        if recipes is None:
+            recipes = ChainMap({}, *getattr(self.recipes, "maps", [self.recipes]))
+        return Nodes(leaves, config, recipes)
 
     def add(self, stage: str, inputs: Inputs, method: str | None = None, **place) -> str:
         """Write the recipe of a stage and return its reference.

@@ -1,10 +1,13 @@
 """Painted sections: from strokes and points of single frames to the pixels of every section that they reach."""
 
+from collections.abc import Sequence
+
 from moseg.schemas.corrections import Add, Edit, Growing, Paint
 from moseg.workflows.graph.cached_method import cached_method
 from moseg.workflows.graph.frame_cues import FrameCues
+from moseg.workflows.graph.joined_writers import JoinedCues
 from moseg.workflows.graph.nodes import Nodes
-from moseg.workflows.graph.sections import Section
+from moseg.workflows.graph.sections import Section, place_frame
 from moseg.workflows.stages.accumulation import PASSES
 
 
@@ -12,14 +15,22 @@ class PaintedSections:
     """Writer of the recipes of what a user paints, erases and adds.
 
     An edit has nodes of its own, one for each section that it reaches, so that another edit leaves them as they are.
+
+    Parameters
+    ----------
+    scenes : sequence of range
+        The sections of each scene, beyond which no edit reaches.
     """
 
-    def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
+    def __init__(
+        self, nodes: Nodes, cues: FrameCues | JoinedCues, sections: tuple[Section, ...], scenes: Sequence[range]
+    ):
         self._nodes = nodes
         self._config = nodes.config
         self._leaves = nodes.leaves
         self._cues = cues
         self._sections = sections
+        self._scenes = scenes
 
     def painted(self, index: int) -> str | None:
         """Return the reference of a section's painted pixels; None where no edit reaches it."""
@@ -44,29 +55,35 @@ class PaintedSections:
     def _reach(self, edit: int) -> tuple[int, int]:
         """Return the frames start..stop that an edit reaches: those near it, and in any case those of its section.
 
-        What SAM 2.1 tracks reaches the whole video.
+        What SAM 2.1 tracks reaches the whole scene.
         """
-        num_frames, value = len(self._leaves.frames), _value(self._leaves.edits[edit])
+        scene, value = self._scene(edit), _value(self._leaves.edits[edit])
+        first, last = self._sections[scene[0]].start, self._sections[scene[-1]].stop
         if _is_tracked(value):
-            return 0, num_frames
+            return first, last
         section, reach = self._sections[self._own(edit)], self._config.carrying.reach
-        return max(min(section.start, value.frame - reach), 0), min(
-            max(section.stop, value.frame + reach + 1), num_frames
+        return max(min(section.start, value.frame - reach), first), min(
+            max(section.stop, value.frame + reach + 1), last
         )
 
     def _own(self, edit: int) -> int:
         """Return the section of an edit's own frame."""
-        return _value(self._leaves.edits[edit]).frame // self._config.sections.length
+        return place_frame(self._sections, _value(self._leaves.edits[edit]).frame)[0]
+
+    def _scene(self, edit: int) -> range:
+        """Return the sections of the scene of an edit's own frame."""
+        own = self._own(edit)
+        return next(scene for scene in self._scenes if own in scene)
 
     @cached_method
     def _masks(self, edit: int) -> dict[int, str]:
         """Return the references of an edit's pixels in the sections that it reaches, by section."""
-        (start, stop), own = self._reach(edit), self._own(edit)
+        (start, stop), own, scene = self._reach(edit), self._own(edit), self._scene(edit)
         masks = {own: self._start(edit, own)}
-        for index in range(own + 1, len(self._sections)):
+        for index in range(own + 1, scene.stop):
             if self._sections[index].start < stop:
                 masks[index] = self._continue(edit, index, masks[index - 1])
-        for index in range(own - 1, -1, -1):
+        for index in range(own - 1, scene.start - 1, -1):
             if self._sections[index].stop > start:
                 masks[index] = self._continue(edit, index, masks[index + 1])
         return masks

@@ -69,6 +69,11 @@ class Pictures:
         """Number of frames, from the first, that are followed by another picture."""
         return self._starts[-1] if self._starts else 0
 
+    @property
+    def followed(self) -> Sequence[int]:
+        """Frames that are followed by another picture."""
+        return range(self.num_followed)
+
     def ends_in(self, start: int, stop: int) -> dict[str, int]:
         """Return which of the frames start..stop lack a neighbour, as own_motion and moves_now take it.
 

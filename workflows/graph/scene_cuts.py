@@ -1,5 +1,6 @@
-"""Cuts of a sequence, of which a run tells."""
+"""Cuts of a sequence, which end its scenes."""
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from moseg.workflows.graph.nodes import Nodes
@@ -31,3 +32,8 @@ def scene_cuts(nodes: Nodes) -> tuple[SceneCuts, ...]:
         inputs = {"frames": frames[read.start : read.stop]}
         found.append(SceneCuts(nodes.add("scene_cuts", inputs, **place), read.start))
     return tuple(found)
+
+
+def read_cuts(stretches: Sequence[SceneCuts], attributes: Sequence[Mapping]) -> tuple[int, ...]:
+    """Return the frames that begin another scene, from the attributes of each stretch's cuts."""
+    return tuple(each.first + row for each, found in zip(stretches, attributes, strict=True) for row in found["cuts"])

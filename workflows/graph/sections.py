@@ -1,5 +1,8 @@
 """Sections of a video: runs of `l` frames with object proposals of their own."""
 
+from bisect import bisect_right
+from collections.abc import Sequence
+from operator import attrgetter
 from typing import NamedTuple
 
 from moseg.schemas.configs import SectionParams
@@ -20,3 +23,9 @@ def cut_sections(num_frames: int, params: SectionParams) -> tuple[Section, ...]:
         stop = min(start + params.length, num_frames)
         sections.append(Section(start, stop, min(stop + params.overlap, num_frames)))
     return tuple(sections)
+
+
+def place_frame(sections: Sequence[Section], frame: int) -> tuple[int, int]:
+    """Return the section that a frame belongs to, and its row there."""
+    index = bisect_right(sections, frame, key=attrgetter("start")) - 1
+    return index, frame - sections[index].start

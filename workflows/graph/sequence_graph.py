@@ -4,7 +4,7 @@ A `SequenceGraph` only writes recipes; it neither reads the store nor computes. 
 variant and run that needs it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from copy import copy
 
 from moseg.schemas.configs import PipelineConfig, Variant
@@ -19,7 +19,7 @@ from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
 from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.scene_cuts import SceneCuts, scene_cuts
-from moseg.workflows.graph.sections import cut_sections
+from moseg.workflows.graph.sections import cut_sections, place_frame
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
 LAST_STAGES = {"affinity", "clustering", "moving_objects", "moves_now", "confidence"}
@@ -28,6 +28,13 @@ LAST_STAGES = {"affinity", "clustering", "moving_objects", "moves_now", "confide
 
 class SequenceGraph:
     """Writer of the recipes of one sequence under one configuration.
+
+    Parameters
+    ----------
+    leaves : SequenceLeaves
+    config : PipelineConfig
+    recipes : mapping of reference to Recipe, optional
+        Those of the graph that this is the graph of a scene of.
 
     Attributes
     ----------
@@ -39,9 +46,14 @@ class SequenceGraph:
     sections : tuple of Section
     """
 
-    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+    def __init__(
+        self,
+        leaves: SequenceLeaves,
+        config: PipelineConfig,
+        recipes: MutableMapping[str, Recipe] | None = None,
+    ):
         # Nodes of the last stages, of the motions, and of what lies before both.
-        self._nodes = self._motion_nodes = self._first_nodes = Nodes(leaves, config)
+        self._nodes = self._motion_nodes = self._first_nodes = Nodes(leaves, config, recipes)
         self._config = config
         self.leaves = leaves
         self.sections = cut_sections(len(leaves.frames), config.sections)
@@ -49,9 +61,14 @@ class SequenceGraph:
         self.foreground = Foreground(self._nodes, self.frame_cues, self.sections)
         self.objects = Objects(self._nodes, self.frame_cues, self.foreground, self.sections)
         self.motions = Motions(self._nodes, self.frame_cues, self.objects, self.sections)
-        self._painted = PaintedSections(self._nodes, self.frame_cues, self.sections)
+        self._painted = PaintedSections(self._nodes, self.frame_cues, self.sections, (range(len(self.sections)),))
 
-    def changed(self, leaves: SequenceLeaves, config: PipelineConfig) -> "SequenceGraph":
+    def changed(
+        self,
+        leaves: SequenceLeaves,
+        config: PipelineConfig,
+        recipes: MutableMapping[str, Recipe] | None = None,
+    ) -> "SequenceGraph":
         """Return the graph of other leaves and another configuration, with what they have in common not written again.
 
         That is most of it if nothing changes but edits, and parameters of the stages of `LAST_STAGES`.
@@ -59,16 +76,33 @@ class SequenceGraph:
         names = type(config).model_fields
         moved = {name for name in names if getattr(config, name) != getattr(self._config, name)}
         if not moved <= LAST_STAGES or leaves._replace(edits=()) != self.leaves._replace(edits=()):
-            return SequenceGraph(leaves, config)
-        graph = copy(self)
-        graph._config, graph.leaves = config, leaves
-        if "affinity" in moved:
-            graph._nodes = graph._motion_nodes = self._first_nodes.changed(leaves, config)
-            graph.motions = Motions(graph._nodes, self.frame_cues, self.objects, self.sections)
-        else:
-            graph._nodes = self._motion_nodes.changed(leaves, config)
-        graph._painted = PaintedSections(graph._nodes, self.frame_cues, self.sections)
+            return type(self)(leaves, config, recipes)
+        graph, keeps_motions = copy(self), "affinity" not in moved
+        nodes = self._motion_nodes if keeps_motions else self._first_nodes
+        graph._write_on(nodes.changed(leaves, config, recipes), keeps_motions)
         return graph
+
+    def _write_on(self, nodes: Nodes, keeps_motions: bool) -> None:
+        """Write what follows on other nodes, the motions too if they are not kept."""
+        self._nodes, self._config, self.leaves = nodes, nodes.config, nodes.leaves
+        if not keeps_motions:
+            self._motion_nodes = nodes
+            self.motions = Motions(nodes, self.frame_cues, self.objects, self.sections)
+        self._painted = PaintedSections(nodes, self.frame_cues, self.sections, (range(len(self.sections)),))
+
+    @property
+    def scenes(self) -> tuple["SequenceGraph", ...]:
+        """The graph of each scene, which is this one where there is a single scene."""
+        return (self,)
+
+    @property
+    def first_frames(self) -> tuple[int, ...]:
+        """The first frame of each scene."""
+        return (0,)
+
+    def place(self, frame: int) -> tuple[int, int]:
+        """Return the section that a frame belongs to, and its row there."""
+        return place_frame(self.sections, frame)
 
     @property
     def recipes(self) -> Mapping[str, Recipe]:
@@ -226,5 +260,5 @@ class SequenceGraph:
 
     def cues(self) -> tuple[str, ...]:
         """Return the references of the tracks and of the forward flow, from which every motion model starts."""
-        flows = map(self.frame_cues.flow_to_next, range(self.frame_cues.pictures.num_followed))
+        flows = map(self.frame_cues.flow_to_next, self.frame_cues.pictures.followed)
         return (*(self.motions.tracks(index) for index in range(len(self.sections))), *flows)

@@ -1,7 +1,7 @@
 """Leaves of the graph of a sequence: its decoded content, given cues and weights."""
 
-from collections.abc import Mapping
-from itertools import chain
+from collections.abc import Mapping, Sequence
+from itertools import chain, pairwise
 from typing import NamedTuple
 
 from moseg.schemas.corrections import Edit
@@ -45,6 +45,8 @@ class SequenceLeaves(NamedTuple):
         Frames that repeat the one before them, beside those that were decoded to the same.
     choices : tuple of StretchChoice
         The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
+    cuts : tuple of int
+        Frames that begin another scene; each scene is segmented like a video of its own.
     edits : tuple of Edit
         What the user corrects, in the order in which it applies.
     frame_size : (int, int) or None
@@ -69,6 +71,7 @@ class SequenceLeaves(NamedTuple):
     weights: Mapping[str, Ref] = {}
     repetitions: tuple[int, ...] = ()
     choices: tuple[StretchChoice, ...] = ()
+    cuts: tuple[int, ...] = ()
     edits: tuple[Edit, ...] = ()
     frame_size: tuple[int, int] | None = None
 
@@ -77,3 +80,33 @@ class SequenceLeaves(NamedTuple):
         single = (self.annotation, self.labelled_points, self.masks, self.tracks, self.motion_weights)
         several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
         return (*filter(None, single), *chain.from_iterable(filter(None, several)))
+
+    def scenes(self) -> tuple["SequenceLeaves", ...]:
+        """Return the leaves of each scene as those of a video of its own, without edits; these leaves without cuts."""
+        if not self.cuts:
+            return (self,)
+        return tuple(self._scene(*bounds) for bounds in pairwise((0, *self.cuts, len(self.frames))))
+
+    def joined(self, scenes: Sequence["SequenceLeaves"]) -> "SequenceLeaves":
+        """Return these leaves with the repetitions and choices that were settled for their scenes."""
+        placed = list(zip((0, *self.cuts), scenes, strict=True))
+        return self._replace(
+            repetitions=tuple(start + frame for start, scene in placed for frame in scene.repetitions),
+            choices=tuple(choice.moved(start) for start, scene in placed for choice in scene.choices),
+        )
+
+    def _scene(self, start: int, stop: int) -> "SequenceLeaves":
+        def pairs(flows: tuple[Ref, ...] | None) -> tuple[Ref, ...] | None:
+            return None if flows is None else flows[start : stop - 1]
+
+        return self._replace(
+            frames=self.frames[start:stop],
+            depth=None if self.depth is None else self.depth[start:stop],
+            flow_forward=pairs(self.flow_forward),
+            flow_backward=pairs(self.flow_backward),
+            repetitions=tuple(frame - start for frame in self.repetitions if start <= frame < stop),
+            choices=tuple(each.moved(-start) for each in self.choices if start <= each.first_frame < stop),
+            cuts=(),
+            edits=(),
+            frame_size=None,
+        )

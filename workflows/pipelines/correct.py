@@ -15,8 +15,8 @@ from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
-from moseg.workflows.graph import SequenceGraph, SequenceLeaves
-from moseg.workflows.pipelines.leaves import ingest_sequences
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves, make_graph
+from moseg.workflows.pipelines.leaves import ingest_video
 from moseg.workflows.pipelines.live_labels import LiveLabels, painted_of
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, with_edits
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
@@ -88,7 +88,7 @@ class OpenRun:
         # Corrections need no more of the video than this, so that it may be removed meanwhile.
         self._described = source._replace(frames=DescribedFrames(source.frames, source.frames.describe()))
         self._lock = RLock()
-        self._graph = None if leaves is None else SequenceGraph(leaves, config)
+        self._graph = None if leaves is None else make_graph(leaves, config)
         self._config = config
         self._edits = NO_EDITS
         self._live: LiveLabels | None = None
@@ -216,7 +216,7 @@ class OpenRun:
                 tries.append(ref)
                 recipes = self._graph.recipes
                 if ref not in recipes or len(tries) > 1:
-                    ingest_sequences(self._session, [self._source], self._config, annotated=False)
+                    ingest_video(self._session, self._source, self._config)
                 return recipes, [ref] if ref in recipes else []
 
             def read():
@@ -239,8 +239,8 @@ class OpenRun:
         if not is_repair and self._graph is not None and _leading(config) == _leading(self._config):
             leaves = with_edits(self._session, self._described, self._graph.leaves, config, edits)
             return self._graph.changed(leaves, config)
-        (leaves,) = ingest_sequences(self._session, [self._source], config, annotated=False)
-        return SequenceGraph(with_edits(self._session, self._described, leaves, config, edits), config)
+        leaves = ingest_video(self._session, self._source, config)
+        return make_graph(with_edits(self._session, self._described, leaves, config, edits), config)
 
 
 def import_kernels() -> None:

@@ -12,6 +12,7 @@ from moseg.workflows.engine.space import video_nbytes
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.pipelines.repeated_frames import settle_repetitions
 from moseg.workflows.pipelines.source_choices import settle_choices
+from moseg.workflows.pipelines.video_scenes import settle_cuts
 from moseg.workflows.sources import MotionWeights, SceneFrames, working_size
 from moseg.workflows.stages.motion_network import uses_motion_network
 from moseg.workflows.stages.needed_packages import require_packages
@@ -25,9 +26,25 @@ def ingest_sequences(
 ) -> list[SequenceLeaves]:
     """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked.
 
-    Frames that repeat others are found, and choices that `config` leaves open are settled. InputError is raised first
-    where a package that it needs is missing.
+    Each is one scene. Frames that repeat others are found, and choices that `config` leaves open are settled.
+    InputError is raised first where a package that it needs is missing.
     """
+    leaves = settle_repetitions(session, _decode(session, sources, config, annotated), config)
+    return list(settle_choices(session, leaves, config))
+
+
+def ingest_video(session: Session, source: SequenceSource, config: PipelineConfig) -> SequenceLeaves:
+    """Return the same of a user's video, with the cuts between its scenes; the rest is settled for each scene."""
+    (leaves,) = _decode(session, [source], config, annotated=False)
+    leaves = settle_cuts(session, leaves, config)
+    scenes = settle_repetitions(session, leaves.scenes(), config)
+    return leaves.joined(settle_choices(session, scenes, config))
+
+
+def _decode(
+    session: Session, sources: Sequence[SequenceSource], config: PipelineConfig, annotated: bool
+) -> list[SequenceLeaves]:
+    """Return the leaves of every sequence before anything in the frames is looked for."""
     require_packages(config)
     plans = [ingest_jobs(source, config, annotated) for source in sources]
     decoded = [
@@ -44,8 +61,7 @@ def ingest_sequences(
         leaves.append(make_leaves(source, ingested))
     # Last, so that a file that is not a video is reported before anything is fetched.
     weights = session.name_weights(needed_items(config))
-    leaves = settle_repetitions(session, [each._replace(weights=weights) for each in leaves], config)
-    return list(settle_choices(session, leaves, config))
+    return [each._replace(weights=weights) for each in leaves]
 
 
 def _estimate(sources: Sequence[SequenceSource], config: PipelineConfig) -> float:

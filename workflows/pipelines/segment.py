@@ -15,15 +15,16 @@ from moseg.workflows.engine.session import Session
 from moseg.workflows.exports.black_bars import describe_bars, find_bars, sampled
 from moseg.workflows.exports.doubts import BY_HAND, Advice, advise
 from moseg.workflows.exports.scene_cuts import describe_cuts
-from moseg.workflows.graph import SequenceGraph
-from moseg.workflows.graph.scene_cuts import SceneCuts
-from moseg.workflows.pipelines.leaves import ingest_sequences
+from moseg.workflows.graph import SequenceGraph, make_graph
+from moseg.workflows.graph.scene_cuts import SceneCuts, read_cuts
+from moseg.workflows.pipelines.leaves import ingest_video
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
 from moseg.workflows.reports.panels import Panels
+from moseg.workflows.results.evidence import Evidence, scene_evidence
 from moseg.workflows.results.found_objects import read_found_objects, read_identities
 from moseg.workflows.results.frame_cues import FrameCue, frame_cues
-from moseg.workflows.results.rigid_support import read_rigid_support
+from moseg.workflows.results.scenes import scene_rows
 from moseg.workflows.sources.resize import resize_labels
 
 Result = TypeVar("Result")
@@ -48,12 +49,8 @@ class StoredSegmentation(NamedTuple):
         before the user's edits.
     frame_refs, label_refs : tuple of references
         The frames, and the labels of every section.
-    affinity_refs : dict of str to reference
-        The objects' affinity by motion model; empty for the variant that has none.
-    residual_refs : dict of str to tuple of references
-        Each section's residuals by motion model; empty where affinities come from hypotheses alone.
-    rigid_support : float64 (k,) or None
-        Support of each of `rows` for being part of the rigid scene, NaN if open; None if the variant reads none.
+    evidence : Evidence
+        What the motion groups come from, about each of `rows`.
     choices : tuple of StretchChoice
         Source of the proposals of each stretch, where it was left to the camera's motion.
     moves_refs, confidence_refs : tuple of references or None
@@ -67,6 +64,8 @@ class StoredSegmentation(NamedTuple):
         What may help where a mask is too small or too large.
     cuts : tuple of SceneCuts
         Where the cuts of each stretch are stored.
+    apart : tuple of int
+        The frames that begin a scene that was segmented apart from the one before.
     cues : mapping of str to FrameCue
         Cues that the result was computed from, by name; their artifacts are stored if the run kept them.
     """
@@ -80,9 +79,7 @@ class StoredSegmentation(NamedTuple):
     rows: tuple[int, ...]
     frame_refs: tuple[str, ...]
     label_refs: tuple[str, ...]
-    affinity_refs: dict[str, str]
-    residual_refs: dict[str, tuple[str, ...]]
-    rigid_support: np.ndarray | None = None
+    evidence: Evidence
     choices: tuple[StretchChoice, ...] = ()
     moves_refs: tuple[str | None, ...] = ()
     confidence_refs: tuple[str | None, ...] = ()
@@ -90,6 +87,7 @@ class StoredSegmentation(NamedTuple):
     drawn: frozenset[int] = frozenset()
     advice: Advice = BY_HAND
     cuts: tuple[SceneCuts, ...] = ()
+    apart: tuple[int, ...] = ()
     cues: Mapping[str, FrameCue] = {}
 
     @property
@@ -110,8 +108,8 @@ class StoredSegmentation(NamedTuple):
     def about_picture(self, store: ArtifactStore) -> tuple[str, ...]:
         """Return what is worth a look in the frames themselves, whatever was found in them, in words."""
         images = [store.read(self.frame_refs[index], "image") for index in sampled(self.num_frames)]
-        cuts = [each.first + row for each in self.cuts for row in store.attributes(each.ref)["cuts"]]
-        return (*describe_bars(find_bars(images), self.analysed_shape, self.shape), *describe_cuts(cuts))
+        cuts = read_cuts(self.cuts, [store.attributes(each.ref) for each in self.cuts])
+        return (*describe_bars(find_bars(images), self.analysed_shape, self.shape), *describe_cuts(cuts, self.apart))
 
     def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
         """Return labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
@@ -183,9 +181,9 @@ def segment(
         return purpose.fps or source.frames.describe().fps
 
     def build():
-        (leaves,) = ingest_sequences(session, [source], config, annotated=False)
+        leaves = ingest_video(session, source, config)
         leaves = with_edits(session, source, leaves, config, edits)
-        graphs[:] = [SequenceGraph(leaves, config)]
+        graphs[:] = [make_graph(leaves, config)]
         check_edits(session, graphs[0], edits)
         sinks = sinks_of(graphs[0], config, variant)
         if session.keeps_cues:
@@ -212,9 +210,7 @@ def sinks_of(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> 
     sinks = (*graph.segmentations(variant), *filter(None, beside))
     if clustering is None:
         return sinks
-    affinities, residuals = _evidence(graph, config, variant)
-    sinks = (*sinks, clustering, *affinities.values(), *chain.from_iterable(residuals.values()))
-    return (*sinks, *graph.rigid_supports(variant))
+    return (*sinks, clustering, *chain.from_iterable(each.refs() for each in scene_evidence(graph, config, variant)))
 
 
 def read_stored(
@@ -223,7 +219,6 @@ def read_stored(
     """Return where the result of a graph lies, whose sinks are stored."""
     found = read_found_objects(store, graph, variant)
     identities, _ = read_identities(store, graph)
-    affinities, residuals = _evidence(graph, config, variant)
     return StoredSegmentation(
         name=source.name,
         shape=source.frames.describe().size,
@@ -234,9 +229,7 @@ def read_stored(
         rows=(0, *identities),
         frame_refs=graph.leaves.frames,
         label_refs=graph.segmentations(variant),
-        affinity_refs=affinities,
-        residual_refs=residuals,
-        rigid_support=read_rigid_support(store, graph.rigid_supports(variant)),
+        evidence=Evidence(scene_evidence(graph, config, variant), scene_rows(store, graph)),
         choices=graph.leaves.choices,
         moves_refs=graph.moves_now(variant),
         confidence_refs=graph.confidences(variant),
@@ -244,16 +237,6 @@ def read_stored(
         drawn=found.drawn,
         advice=advise(config, graph.leaves.choices),
         cuts=graph.scene_cuts(),
+        apart=graph.leaves.cuts,
         cues={name: cue.without_graph() for name, cue in frame_cues(graph, config, [variant]).items()},
     )
-
-
-def _evidence(
-    graph: SequenceGraph, config: PipelineConfig, variant: Variant
-) -> tuple[dict[str, str], dict[str, tuple[str, ...]]]:
-    """Return references of the affinity and the residuals that a variant's motion groups come from, by motion model."""
-    views = config.views(variant)
-    residuals = (
-        {} if config.affinity.method == "hypotheses" else {view: graph.motions.residuals(view) for view in views}
-    )
-    return {view: graph.motions.affinity(view) for view in views}, residuals

@@ -273,6 +273,8 @@ class VariantPanel(NamedTuple):
     ----------
     objects : tuple of GroupedObject
         The background, then the objects by identity; empty where no object is grouped.
+    scene : str
+        The frames of the scene that these are the objects of, in words; empty where there is a single scene.
     matrices : tuple of Matrix
         Residuals and affinity of each of its motion models, then the fused kernel.
     missing : tuple of str
@@ -284,6 +286,12 @@ class VariantPanel(NamedTuple):
     matrices: tuple[Matrix, ...] = ()
     eigenvalues: EigenvaluePlot | None = None
     missing: tuple[str, ...] = ()
+    scene: str = ""
+
+    @property
+    def title(self) -> str:
+        """The variant, and the scene where there are several."""
+        return f"{self.variant}, {self.scene}" if self.scene else self.variant
 
 
 class SequencePanel(NamedTuple):

@@ -84,7 +84,7 @@ def plan_cues(view: SequenceView, variants: Sequence[Variant]) -> list[PlannedCu
 
 def _refs_of_frames(cue: FrameCue, frames: Sequence[int]) -> tuple[str, ...]:
     """Return what the pictures of frames read, without those of frames that do not have the cue."""
-    return tuple(ref for frame in frames if frame < cue.num_frames for ref in cue.refs(frame))
+    return tuple(ref for frame in frames if frame in cue.frames for ref in cue.refs(frame))
 
 
 def _plan_layer(view: SequenceView, cue: PlannedCue) -> PlannedLayer:
@@ -131,11 +131,11 @@ def _prepare_residual_flow(view: SequenceView, cue: FrameCue) -> CueDrawing:
 
 def _prepare_flows(view: SequenceView, cue: FrameCue, what: str) -> CueDrawing:
     # Read twice, for the scale and for the colours: only one flow is in memory.
-    lengths = [_long_vector(cue.read(view.store, *cue.refs(frame))) for frame in view.frames if frame < cue.num_frames]
+    lengths = [_long_vector(cue.read(view.store, *cue.refs(frame))) for frame in view.frames if frame in cue.frames]
     longest = float(np.percentile(lengths, SCALE_PERCENTILE)) if lengths else 0.0
 
     def draw(frame: int) -> Picture | None:
-        if frame >= cue.num_frames:
+        if frame not in cue.frames:
             return None
         return encode_opaque(colour_flow(resize_cue(cue.read(view.store, *cue.refs(frame)), view.shape), longest))
 

@@ -71,7 +71,7 @@ def plan_dense_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
             for row in rows:
                 yield encode_transparent(draw_tracks(shown.until(start + row), view.shape, POINT_RADIUS))
 
-        by_section = groupby(map(view.place, view.frames), key=itemgetter(0))
+        by_section = groupby(map(view.graph.place, view.frames), key=itemgetter(0))
         pictures = tuple(
             picture for section, places in by_section for picture in draw_section(section, (row for _, row in places))
         )

@@ -9,7 +9,7 @@ from moseg.schemas.errors import CorruptArtifactError, InputError, MissingArtifa
 from moseg.schemas.scores import AnyScore, GroundTruth, score_class
 from moseg.schemas.trajectory_scores import TrajectoryScore, average_row
 from moseg.store import ArtifactStore
-from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves, TrajectoryGraph, make_graph
 from moseg.workflows.process.progress import PATIENCE_SEC, StageProgress
 from moseg.workflows.reports.content import ReportPage, ScoreTable
 from moseg.workflows.reports.equal_rows import equality_notes
@@ -85,7 +85,7 @@ def _gather_frames(
     """Return score tables and notes on absent scores, and gather the panels, so that one graph is held at a time."""
     scores: dict[str, dict[str, AnyScore | None]] = {variant.value: {} for variant in subject.variants}
     for leaves, fps in sequences:
-        graph = SequenceGraph(leaves, subject.config)
+        graph = make_graph(leaves, subject.config)
         if subject.command != "segment":
             for variant in subject.variants:
                 scores[variant.value][leaves.name] = _score(store, graph, variant)

@@ -36,13 +36,9 @@ class SequenceView(NamedTuple):
         """Height and width of the pictures, px."""
         return working_size(self.graph.leaves.shape, PICTURE_SIDE)
 
-    def place(self, frame: int) -> tuple[int, int]:
-        """Return the section that a frame belongs to, and its row there."""
-        return divmod(frame, self.config.sections.length)
-
     def sections(self, frames: Iterable[int] | None = None) -> list[int]:
         """Return the sections of some frames, by default of the shown ones, each once."""
-        return sorted({self.place(frame)[0] for frame in (self.frames if frames is None else frames)})
+        return sorted({self.graph.place(frame)[0] for frame in (self.frames if frames is None else frames)})
 
     def label_refs(self, variant: Variant, frames: Iterable[int] | None = None) -> tuple[str, ...]:
         """Return the references of the labels of some frames, by default of the shown ones, each once."""
@@ -51,7 +47,7 @@ class SequenceView(NamedTuple):
 
     def labels(self, variant: Variant, frame: int) -> np.ndarray:
         """Return the labels of one frame as analysed, uint16 (y, x); 0 = static, else an identity."""
-        section, row = self.place(frame)
+        section, row = self.graph.place(frame)
         return self.store.read_rows(self.graph.segmentations(variant)[section], "labels", row, row + 1)[0]
 
 

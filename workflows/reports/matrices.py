@@ -10,6 +10,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.graph import SequenceGraph
 from moseg.workflows.reports.content import Matrix
 from moseg.workflows.reports.missing import Missing, collect_missing
+from moseg.workflows.results.evidence import scene_evidence
 from moseg.workflows.results.rigid_support import read_rigid_support
 
 
@@ -56,13 +57,9 @@ def object_matrices(
 
 def matrix_refs(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> tuple[str, ...]:
     """Return the references that the matrices, the eigenvalues and the groups of a variant read."""
-    refs = [graph.objects.linking()]
-    for view in config.views(variant):
-        refs.append(graph.motions.affinity(view))
-        if config.affinity.method != "hypotheses":
-            refs.extend(graph.motions.residuals(view))
-    clustering = graph.clustering(variant)
-    return tuple(refs if clustering is None else [*refs, clustering, *graph.rigid_supports(variant)])
+    evidence = [ref for scene in scene_evidence(graph, config, variant) for ref in scene.refs()]
+    found = [ref for each in (graph, *graph.scenes) for ref in (each.objects.linking(), each.clustering(variant))]
+    return tuple(dict.fromkeys((*filter(None, found), *evidence)))
 
 
 def mean_residuals(sections) -> np.ndarray:

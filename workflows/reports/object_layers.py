@@ -58,7 +58,7 @@ def plan_proposals(view: SequenceView, variant: Variant) -> PlannedLayer:
         names = np.array((0, *found.identities), np.uint16)
 
         def draw(frame: int) -> Picture:
-            section, row = view.place(frame)
+            section, row = view.graph.place(frame)
             masks = view.store.read_rows(view.graph.objects.proposals(section), "masks", row, row + 1)[0]
             return _draw_objects(names[linked[section]][masks], view.shape, _PROPOSED)
 
@@ -102,7 +102,7 @@ def plan_tracks(view: SequenceView, variant: Variant) -> PlannedLayer:
             for row in rows:
                 yield encode_transparent(draw_tracks(drawn.until(row), view.shape, POINT_RADIUS))
 
-        by_section = groupby(map(view.place, view.frames), key=itemgetter(0))
+        by_section = groupby(map(view.graph.place, view.frames), key=itemgetter(0))
         pictures = tuple(
             picture for section, places in by_section for picture in draw_section(section, (row for _, row in places))
         )

@@ -80,10 +80,15 @@ class Panels:
             return
         what, shown = (store, graph, self._config), (self._variants, self._num_frames)
         if isinstance(graph, TrajectoryGraph):
-            panel, make = gather_clip_pictures(*what, *shown, self._why_absent), clip_panel
+            panel = gather_clip_pictures(*what, *shown, self._why_absent)
+            variants = tuple(clip_panel(*what, variant, self._why_absent) for variant in self._variants)
         else:
-            panel, make = gather_pictures(*what, *shown, fps or FPS, self._why_absent), variant_panel
-        variants = tuple(make(*what, variant, self._why_absent) for variant in self._variants)
+            panel = gather_pictures(*what, *shown, fps or FPS, self._why_absent)
+            variants = tuple(
+                variant_panel(*what, variant, self._why_absent, place)
+                for variant in self._variants
+                for place in range(len(graph.scenes))
+            )
         self.found[graph.leaves.name] = panel._replace(variants=variants)
 
 

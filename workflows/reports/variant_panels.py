@@ -15,6 +15,7 @@ from moseg.workflows.reports.missing import Missing, WhyAbsent, collect_missing,
 from moseg.workflows.reports.motion_count import FoundGroups, explain_objects, explain_tracks
 from moseg.workflows.results.found_objects import read_identities, read_names
 from moseg.workflows.results.rigid_support import read_rigid_support
+from moseg.workflows.results.scenes import scene_rows, spell_scenes
 
 BACKGROUND = "background"
 MAX_TRACKS = 200
@@ -27,13 +28,16 @@ def variant_panel(
     config: PipelineConfig,
     variant: Variant,
     why_absent: WhyAbsent = WhyAbsent.GONE,
+    place: int = 0,
 ) -> VariantPanel:
-    """Gather the panel of a variant as far as its artifacts are stored.
+    """Gather the panel of a variant in a scene as far as its artifacts are stored.
 
     Parameters
     ----------
     why_absent : WhyAbsent
         Reason that is given for artifacts that are not stored.
+    place : int
+        Of the scene among those of the graph.
 
     Raises
     ------
@@ -42,30 +46,34 @@ def variant_panel(
     """
     missing: list[Missing] = []
     names: dict[int, str] = {}
+    rows: list[int] = []
     with collect_missing(missing, "names of the objects"):
-        names = _object_names(store, graph)
-    clustering = graph.clustering(variant)
+        rows = [0, *scene_rows(store, graph)[place]]
+        names = _object_names(store, graph, rows)
+    joined, scene, spelled = graph.clustering(variant), graph.scenes[place], spell_scenes(graph)[place]
+    clustering = scene.clustering(variant)
     if clustering is None:
         # No clustering: every proposal counts as moving, each as a motion of its own.
         return VariantPanel(
-            variant.value, _group(names, range(len(names))), missing=format_missing(missing, why_absent)
+            variant.value, _group(names, rows), missing=format_missing(missing, why_absent), scene=spelled
         )
     objects, eigenvalues = (), None
     with collect_missing(missing, "motion groups and eigenvalues"):
         found = store.attributes(clustering)
-        groups = store.read(clustering, "motion").tolist()
-        rigid_support = read_rigid_support(store, graph.rigid_supports(variant))
+        num_items = len(store.read(clustering, "motion"))
+        groups = store.read(joined, "motion")[rows].tolist()
+        rigid_support = read_rigid_support(store, scene.rigid_supports(variant))
         objects = _group(names, groups, rigid_support) if names else ()
-        asked, num_found = graph.recipes[clustering].params["num_motions"], found["num_motions"]
+        asked, num_found = scene.recipes[clustering].params["num_motions"], found["num_motions"]
         spectrum = store.read(clustering, "eigenvalues")
-        counted = FoundGroups(config.clustering.motions, asked, num_found, len(groups), len(spectrum))
+        counted = FoundGroups(config.clustering.motions, asked, num_found, num_items, len(spectrum))
         has_rigid = rigid_support is not None
-        how = explain_objects(counted, clustering_params(graph, variant), found.get("scores", ()), has_rigid=has_rigid)
+        how = explain_objects(counted, clustering_params(scene, variant), found.get("scores", ()), has_rigid=has_rigid)
         eigenvalues = EigenvaluePlot(_squeeze(spectrum), num_found, how)
-    matrices = object_matrices(store, graph, config, variant, tuple(names.values()), missing)
+    matrices = object_matrices(store, scene, config, variant, tuple(names.values()), missing)
     if config.affinity.method == "hypotheses":
         missing.append("residuals: affinity hypotheses compares objects under many models, and fits none to each.")
-    return VariantPanel(variant.value, objects, matrices, eigenvalues, format_missing(missing, why_absent))
+    return VariantPanel(variant.value, objects, matrices, eigenvalues, format_missing(missing, why_absent), spelled)
 
 
 def clip_panel(
@@ -114,11 +122,19 @@ def sample_by_motion(motion: np.ndarray, max_tracks: int = MAX_TRACKS) -> np.nda
     return order[(2 * np.arange(count) + 1) * len(order) // (2 * count)] if count else order
 
 
-def _object_names(store: ArtifactStore, graph: SequenceGraph) -> dict[int, str]:
-    """Return ``background`` as 0, then each object by its identity: the identity and its name, if it has one."""
+def _object_names(store: ArtifactStore, graph: SequenceGraph, rows: Iterable[int]) -> dict[int, str]:
+    """Return ``background`` as 0, then some objects by identity: the identity and its name, if it has one.
+
+    Parameters
+    ----------
+    rows : iterable of int
+        Which of the background, 0, and the objects of the video, from 1 on.
+    """
     identities, tags = read_identities(store, graph)
     called = tags | read_names(graph)
-    return {0: BACKGROUND} | {identity: f"{identity} {called.get(identity, '')}".strip() for identity in identities}
+    names = {0: BACKGROUND} | {identity: f"{identity} {called.get(identity, '')}".strip() for identity in identities}
+    every = list(names.items())
+    return dict(every[row] for row in rows)
 
 
 def _group(

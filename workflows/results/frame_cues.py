@@ -1,6 +1,6 @@
 """The cues of single frames by their names: motion saliency, flow, and inverse depth."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -18,21 +18,21 @@ class FrameCue(NamedTuple):
 
     Attributes
     ----------
-    num_frames : int
-        How many frames have it, from the first: a flow leads to the next picture, so that the last one has none.
+    frames : collection of int
+        Those that have it: a flow leads to the next picture, so that the last one of a scene has none.
     refs : function of a frame's index
         Returns the references that are read.
     read : function of the store and these references
         Returns the cue, float32 (y, x) or (y, x, 2).
     """
 
-    num_frames: int
+    frames: Collection[int]
     refs: Callable[[int], tuple[str, ...]]
     read: Callable[..., np.ndarray]
 
     def without_graph(self) -> "FrameCue":
         """Return the same with all references written, so that the graph need not stay in memory."""
-        return self._replace(refs=tuple(map(self.refs, range(self.num_frames))).__getitem__)
+        return self._replace(refs={frame: self.refs(frame) for frame in self.frames}.__getitem__)
 
 
 def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[Variant]) -> dict[str, FrameCue]:
@@ -50,8 +50,8 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
         float32 (y, x) at the analysed size, relative: larger is nearer.
     """
     cues, models = graph.frame_cues, {model for variant in variants for model in config.views(variant)}
-    num_frames, width = len(graph.leaves.frames), graph.leaves.shape[1]
-    num_followed = cues.pictures.num_followed
+    frames, width = range(len(graph.leaves.frames)), graph.leaves.shape[1]
+    followed = cues.pictures.followed
     has_saliency = graph.objects.uses_saliency
     # Flow from files may be unknown in places, which saliency fills with values beside them, or with zeros.
     has_gaps = config.flow.method in GIVEN_SOURCES
@@ -70,15 +70,15 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
 
     found = {}
     if has_saliency:
-        found["saliency"] = FrameCue(num_frames, saliency_refs, _read_saliency)
+        found["saliency"] = FrameCue(frames, saliency_refs, _read_saliency)
     if config.proposal_source in MOVING_SOURCES or models - {"trajs"}:
-        found["flow"] = FrameCue(num_followed, flow_refs, _read_flow)
+        found["flow"] = FrameCue(followed, flow_refs, _read_flow)
     if has_saliency:
         read = partial(_read_residual_flow, width=width)
-        found["residual_flow"] = FrameCue(num_followed, residual_flow_refs, read)
+        found["residual_flow"] = FrameCue(followed, residual_flow_refs, read)
     method = config.depth.method
     if method in GIVEN_SOURCES or (method != "none" and models - {"trajs", "oc"}):
-        found["inverse_depth"] = FrameCue(num_frames, depth_refs, _read_depth)
+        found["inverse_depth"] = FrameCue(frames, depth_refs, _read_depth)
     return found
 
 

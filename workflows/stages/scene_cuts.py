@@ -5,8 +5,8 @@ from moseg.schemas.parameters import SceneCutParams
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-PLACE_PARAMS = frozenset({"stretch_length"})
-"""Parameters that only choose the frames."""
+UNREAD_PARAMS = frozenset({"stretch_length", "apart"})
+"""Parameters that choose the frames, and what becomes of the cuts."""
 
 
 def _run(params, inputs, rng):
@@ -19,7 +19,7 @@ def _run(params, inputs, rng):
 
 def _params(config: PipelineConfig, first: int, last: int) -> dict:
     """Return the parameters of a stretch that is the rows first..last of the frames that are read."""
-    read = config.scene_cuts.model_dump(mode="json", exclude=PLACE_PARAMS)
+    read = config.scene_cuts.model_dump(mode="json", exclude=UNREAD_PARAMS)
     return {"first": first, "last": last, "scene_cuts": read}
 
 

@@ -24,19 +24,19 @@ class ObjectAreas:
             changed = shown.live.changed_frames(self._live)
             rows = [*self._rows, *[np.zeros(0, np.int64)] * (shown.num_frames - len(self._rows))]
             for frame in changed:
-                section, row = shown.view.place(frame)
+                section, row = shown.graph.place(frame)
                 rows[frame] = shown.live.areas(frame, self._count_masks(shown, section)[row])
             self._live, self._rows = shown.live, rows
         return _by_identity(rows)
 
     def of_proposals(self, shown: ShownResult) -> dict[int, np.ndarray]:
         """Return the same of all objects before any correction, moving or static."""
-        length, rows = shown.config.sections.length, []
-        for section in range(-(-shown.num_frames // length)):
+        rows = []
+        for section, (start, stop, _) in enumerate(shown.graph.sections):
             names = shown.identity_of_masks(section)
             with self._lock:
                 counted = self._count_masks(shown, section)
-            for counts in counted[: min(length, shown.num_frames - section * length)]:
+            for counts in counted[: stop - start]:
                 rows.append(np.bincount(names[: len(counts)], weights=counts).astype(np.int64))
         return _by_identity(rows)
 

@@ -12,10 +12,12 @@ from moseg.workflows.config.strict_yaml import spell_value
 from moseg.workflows.exports.formats.reconstruction_sets import SETS
 from moseg.workflows.exports.formats.registry import FORMATS
 from moseg.workflows.exports.overlay_style import OverlayMode
+from moseg.workflows.reports.content import Matrix
 from moseg.workflows.reports.layers import all_colours, as_hex
 from moseg.workflows.reports.matrices import object_matrices
 from moseg.workflows.reports.missing import Missing, WhyAbsent, format_missing
 from moseg.workflows.reports.timelines import choose_thumbnails
+from moseg.workflows.results.scenes import scene_rows, spell_scenes
 from moseg.workflows.view.edit_words import describe_edit, next_identity, verdicts
 from moseg.workflows.view.object_areas import ObjectAreas
 from moseg.workflows.view.shown_result import ShownResult
@@ -86,19 +88,24 @@ def describe_matrices(shown: ShownResult) -> dict[str, Any]:
     if shown.graph.clustering(shown.variant) is None:
         return {"matrices": [], "missing": []}
     called = shown.found.called
-    labels = ("background", *(f"{identity} {called.get(identity, '')}".strip() for identity in shown.proposed))
+    labels = [f"{identity} {called.get(identity, '')}".strip() for identity in shown.proposed]
+    made: list[tuple[str, Matrix]] = []
     try:
-        made = object_matrices(shown.store, shown.graph, shown.config, shown.variant, labels, missing)
+        scenes = zip(spell_scenes(shown.graph), shown.graph.scenes, scene_rows(shown.store, shown.graph), strict=True)
+        for scene, graph, rows in scenes:
+            own = ("background", *(labels[row - 1] for row in rows))
+            found = object_matrices(shown.store, graph, shown.config, shown.variant, own, missing)
+            made += [(scene, matrix) for matrix in found]
     except StoreError as error:
         return {"matrices": [], "missing": [str(error)]}
     matrices = [
         {
-            "title": matrix.title,
+            "title": f"{matrix.title}, {scene}" if scene else matrix.title,
             "description": matrix.description,
             "labels": list(matrix.labels),
             "values": [[float(value) if np.isfinite(value) else None for value in row] for row in matrix.values],
         }
-        for matrix in made
+        for scene, matrix in made
         if not matrix.unit
     ]
     return {"matrices": matrices, "missing": list(format_missing(missing, WhyAbsent.GONE))}

@@ -83,7 +83,7 @@ class ShownResult:
 
     def proposals(self, frame: int) -> np.ndarray:
         """Return all objects of a frame, moving or static, before any correction, uint16 (y, x) of identities."""
-        section, row = self.view.place(frame)
+        section, row = self.graph.place(frame)
         masks = self.store.read_rows(self.graph.objects.proposals(section), "masks", row, row + 1)[0]
         return self.identity_of_masks(section)[masks]
 

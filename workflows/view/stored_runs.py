@@ -13,7 +13,7 @@ from moseg.schemas.events import VideoFrames
 from moseg.store import ArtifactStore
 from moseg.workflows.exports.motion_json import SequenceSummary
 from moseg.workflows.exports.outputs import MASKS, mask_name
-from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.graph import SequenceLeaves, make_graph
 from moseg.workflows.reports.subject import read_subject
 from moseg.workflows.results.shown_frames import spread
 from moseg.workflows.runlog.status import RunStatus, find_run, list_runs, read_status
@@ -142,9 +142,10 @@ def _readable_runs(store: ArtifactStore) -> Iterator[StoredRun]:
 
 def _has_masks_of(store: ArtifactStore, run: StoredRun, folder: Path, summary: SequenceSummary) -> bool:
     """Return whether some masks of a folder are those that a run computed."""
-    refs = SequenceGraph(run.leaves, run.config).segmentations(run.variant)
+    graph = make_graph(run.leaves, run.config)
+    refs = graph.segmentations(run.variant)
     for frame in spread(summary.num_frames, COMPARED_FRAMES):
-        section, row = divmod(frame, run.config.sections.length)
+        section, row = graph.place(frame)
         labels = store.read_rows(refs[section], "labels", row, row + 1)[0]
         path = str(folder / MASKS / mask_name(frame))
         saved = decode_mask(read_bytes(path), path, "instance")

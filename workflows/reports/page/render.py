@@ -80,7 +80,7 @@ def _list_missing(panels: tuple[SequencePanel, ...]) -> tuple[tuple[int, str, tu
     """List the number and name of each sequence that lacks something, and what is missing and why."""
     rows = []
     for number, panel in enumerate(panels):
-        of_variants = (f"{variant.variant}: {text}" for variant in panel.variants for text in variant.missing)
+        of_variants = (f"{variant.title}: {text}" for variant in panel.variants for text in variant.missing)
         texts = tuple(dict.fromkeys([*panel.missing, *of_variants]))
         if texts:
             rows.append((number, panel.name, texts))
