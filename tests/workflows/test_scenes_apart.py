@@ -161,6 +161,8 @@ def test_corrections_name_frames_and_identities_of_the_film(segment, whole, film
 def test_workers_give_the_same_masks(segment, whole, film, tmp_path):
     result = segment(film, workers=2, store=tmp_path / "store")
     assert np.array_equal(result.labels, whole.labels)
+    # The cuts are computed before the rest, and read after it.
+    assert result.store_use.reused == 0
 
 
 def test_the_log_of_a_run_has_its_scenes(whole, store):

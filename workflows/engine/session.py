@@ -243,7 +243,9 @@ class Session:
                     plan = self._plan(recipes, sinks)
                     self._run(plan)
                     result = read()
-                    self.reused += plan.count()[1] + Counter(split_ref(ref)[0] for ref in self._settled_hits)
+                    # What was settled counts once, although the plan finds it in the store.
+                    hits = (*self._settled_hits, *(ref for ref in plan.reuse if ref not in self._settled))
+                    self.reused += Counter(split_ref(ref)[0] for ref in hits)
                     self.store.touch(plan.reuse)
                     if keeps:
                         self._finish({**self._settled, **recipes}, (*sinks, *sorted(self._first)), bool(plan.compute))
