@@ -2,17 +2,20 @@
 
 Each FOLDER has the frames of one clip without cuts. Searched with the default parameters are every clip, by all its
 frames and by every second, third and fourth, and every two clips of one size, the last six frames of one before the
-first six of the other, by all frames and by every second. The result is printed as JSON: joins, those found among them,
-pairs of frames of clips, and those of them taken for cuts (``false``); then the joins that were missed.
+first six of the other, by all frames and by every second; then every clip disturbed in several ways. The result is
+printed as JSON: joins, those found among them, pairs of frames of clips, and those of them taken for cuts (``false``),
+of disturbed clips too; then the joins that were missed.
 """
 
 import itertools
 import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import cv2
 import numpy as np
+from disturbed_videos.disturbances import DISTURBANCES, Video
 
 from moseg.schemas.parameters import SceneCutParams
 from moseg.tasks.scene_cuts import find_cuts
@@ -21,6 +24,8 @@ SUFFIXES = {".jpg", ".jpeg", ".png"}
 AROUND = 6
 """Frames of each clip at a join."""
 PARAMS = SceneCutParams()
+DISTURBED = ("shaken", "grey", "noisy", "compressed", "dark", "flash", "exposure")
+"""Disturbances that need no ground truth."""
 
 
 def read_clip(folder: Path) -> list[np.ndarray]:
@@ -35,14 +40,27 @@ def read_clip(folder: Path) -> list[np.ndarray]:
     return [cv2.resize(frame, None, fx=factor, fy=factor, interpolation=cv2.INTER_AREA) for frame in frames]
 
 
+def disturb(name: str, frames: list[np.ndarray], rng: np.random.Generator) -> list[np.ndarray]:
+    """Return the frames of a clip disturbed in the way of this name."""
+    nothing = [np.zeros(frame.shape[:2], np.uint8) for frame in frames]
+    return DISTURBANCES[name][1](Video(frames, nothing), rng).frames
+
+
+def count_false(clips: Iterable[list[np.ndarray]]) -> dict[str, int]:
+    """Return the number of pairs of frames of clips without cuts, and of those that are taken for cuts."""
+    pairs = false = 0
+    for frames in clips:
+        pairs += len(frames) - 1
+        false += len(find_cuts(frames, PARAMS))
+    return {"pairs": pairs, "false": false}
+
+
 def main(folders: list[str]) -> None:
     cv2.setNumThreads(1)
     clips = {folder: read_clip(Path(folder)) for folder in folders}
-    pairs, false = 0, 0
-    for step, clip in itertools.product((1, 2, 3, 4), clips.values()):
-        frames = clip[::step]
-        pairs += len(frames) - 1
-        false += len(find_cuts(frames, PARAMS))
+    thinned = count_false(clip[::step] for step, clip in itertools.product((1, 2, 3, 4), clips.values()))
+    rng = np.random.default_rng(0)
+    disturbed = count_false(disturb(name, clip, rng) for name, clip in itertools.product(DISTURBED, clips.values()))
     joins, missed = 0, []
     for step, (before, after) in itertools.product((1, 2), itertools.permutations(clips, 2)):
         first, second = clips[before][::step][-AROUND:], clips[after][::step][:AROUND]
@@ -50,9 +68,8 @@ def main(folders: list[str]) -> None:
             joins += 1
             if len(first) not in find_cuts(first + second, PARAMS):
                 missed.append((before, after, step))
-    print(
-        json.dumps({"clips": len(clips), "joins": joins, "found": joins - len(missed), "pairs": pairs, "false": false})
-    )
+    found = {"clips": len(clips), "joins": joins, "found": joins - len(missed), **thinned, "disturbed": disturbed}
+    print(json.dumps(found))
     for each in missed:
         print(*each, file=sys.stderr)
 

@@ -86,6 +86,24 @@ def _cut(video: Video, starts: np.ndarray, sides: np.ndarray) -> Video:
     return Video(*([image[place] for image, place in zip(images, places, strict=True)] for images in video))
 
 
+def darken(frame: np.ndarray, share: float = 0.12) -> np.ndarray:
+    """Return the frame with a share of its light."""
+    return (frame * share).astype(np.uint8)
+
+
+def flash(video: Video, rng: np.random.Generator) -> Video:
+    """Brighten the frame in the middle, as a flash of light does."""
+    middle, frames = len(video.frames) // 2, [*video.frames]
+    frames[middle] = (0.3 * frames[middle] + 170).astype(np.uint8)
+    return video._replace(frames=frames)
+
+
+def change_exposure(video: Video, rng: np.random.Generator) -> Video:
+    """Halve the light from the middle on."""
+    middle = len(video.frames) // 2
+    return video._replace(frames=[*video.frames[:middle], *(darken(frame, 0.5) for frame in video.frames[middle:])])
+
+
 def halve(image: np.ndarray, interpolation: int) -> np.ndarray:
     """Return the image at half its size."""
     return cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=interpolation)
@@ -106,5 +124,8 @@ DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "grey": ("without colour", _each(remove_colour, _same)),
     "noisy": ("noise of ten grey levels", add_noise),
     "compressed": ("JPEG of quality 12", _each(compress, _same)),
+    "dark": ("12 % of the light", _each(darken, _same)),
+    "flash": ("a flash of light in the middle", flash),
+    "exposure": ("half the light from the middle on", change_exposure),
 }
 """Names, with what they do to a video in words and in code."""
