@@ -2,9 +2,9 @@
 
 Each FOLDER has the frames of one clip without cuts. Searched with the default parameters are every clip, by all its
 frames and by every second, third and fourth, and every two clips of one size, the last six frames of one before the
-first six of the other, by all frames and by every second; then every clip disturbed in several ways. The result is
-printed as JSON: joins, those found among them, pairs of frames of clips, and those of them taken for cuts (``false``),
-of disturbed clips too; then the joins that were missed.
+first six of the other, by all frames and by every second; every clip joined to black frames and to title cards, which
+follow it or come before it; and every clip disturbed in several ways. The result is printed as JSON: joins, those found
+among them, pairs of frames of clips, and those of them taken for cuts (``false``); then the joins that were missed.
 """
 
 import itertools
@@ -46,6 +46,28 @@ def disturb(name: str, frames: list[np.ndarray], rng: np.random.Generator) -> li
     return DISTURBANCES[name][1](Video(frames, nothing), rng).frames
 
 
+def make_cards(shape: tuple[int, ...]) -> list[list[np.ndarray]]:
+    """Return frames uint8 `shape` without a scene: black, and a bright and a dark title, with faint noise."""
+    rng, cards = np.random.default_rng(0), []
+    for ground, ink in ((0, 0), (250, 30), (20, 240)):
+        card = np.full(shape, ground, np.uint8)
+        cv2.putText(card, "THE END", (shape[1] // 5, shape[0] // 2), cv2.FONT_HERSHEY_SIMPLEX, 1, [ink] * 3, 2)
+        noisy = (card + rng.normal(0, 1, shape) for _ in range(AROUND))
+        cards.append([np.clip(each, 0, 255).astype(np.uint8) for each in noisy])
+    return cards
+
+
+def count_cards(clips: Iterable[list[np.ndarray]]) -> dict[str, int]:
+    """Return the number of joins of clips with frames without a scene, and of those that are found."""
+    joins = found = 0
+    for frames in clips:
+        for card in make_cards(frames[0].shape):
+            for first, second in ((frames[-AROUND:], card), (card, frames[:AROUND])):
+                joins += 1
+                found += len(first) in find_cuts(first + second, PARAMS)
+    return {"joins": joins, "found": found}
+
+
 def count_false(clips: Iterable[list[np.ndarray]]) -> dict[str, int]:
     """Return the number of pairs of frames of clips without cuts, and of those that are taken for cuts."""
     pairs = false = 0
@@ -68,8 +90,8 @@ def main(folders: list[str]) -> None:
             joins += 1
             if len(first) not in find_cuts(first + second, PARAMS):
                 missed.append((before, after, step))
-    found = {"clips": len(clips), "joins": joins, "found": joins - len(missed), **thinned, "disturbed": disturbed}
-    print(json.dumps(found))
+    found = {"clips": len(clips), "joins": joins, "found": joins - len(missed), **thinned}
+    print(json.dumps({**found, "cards": count_cards(clips.values()), "disturbed": disturbed}))
     for each in missed:
         print(*each, file=sys.stderr)
 

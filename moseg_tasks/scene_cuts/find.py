@@ -11,12 +11,13 @@ from moseg.tasks.flow.dis import estimate_flow
 from moseg.tasks.saliency.grid import vector_length, warp
 
 _FLOW = FlowParams(preset="fast")
+_NEAR = 2.0  # px of the reduced frames: deviation of the weights of local contrast
 
 
 def find_cuts(images: Iterable[np.ndarray], params: SceneCutParams) -> list[int]:
     """Find the frames that begin another scene.
 
-    A frame does if it changes more than the frames around it, and if the flow from the frame before does not lead back:
+    A frame does if it changes more than the frames around it, and if the pixels of the frame before are not found again:
     the camera's turn at once changes much, too, but is seen by the flow; fast motion is not, but lasts.
 
     Parameters
@@ -36,22 +37,35 @@ def find_cuts(images: Iterable[np.ndarray], params: SceneCutParams) -> list[int]
     for index, change in enumerate(changes):
         around = changes[max(index - length, 0) : index] + changes[index + 1 : index + 1 + length]
         stands_out = bool(around) and change > params.min_change * max(around)
-        if stands_out and consistent_share(small[index], small[index + 1], params.max_error) < params.max_consistent:
+        if stands_out and consistent_share(small[index], small[index + 1], params) < params.max_consistent:
             found.append(index + 1)
     return found
 
 
-def consistent_share(image0: np.ndarray, image1: np.ndarray, max_error: float) -> float:
-    """Return the share of the pixels of `image0` that the flow to `image1`, and from there back, returns to.
+def consistent_share(image0: np.ndarray, image1: np.ndarray, params: SceneCutParams) -> float:
+    """Return the share of the pixels of `image0` that are found again in `image1`.
+
+    The flow there and back returns to them, and what is around them has not lost or gained most of its contrast: flow
+    to a plain frame is zero, there and back.
 
     Parameters
     ----------
     image0, image1 : uint8 (y, x, 3)
-    max_error : float
-        Distance up to which a pixel has returned, px.
+    params : SceneCutParams
     """
     flow, back = estimate_flow(image0, image1, _FLOW), estimate_flow(image1, image0, _FLOW)
-    return float((vector_length(flow + warp(back, flow)) <= max_error).mean())
+    returns = vector_length(flow + warp(back, flow)) <= params.max_error
+    contrasts = _local_contrast(image0), warp(_local_contrast(image1), flow)
+    high, low = np.maximum(*contrasts), np.minimum(*contrasts)
+    differs = (high > params.min_contrast) & (high > params.max_contrast_ratio * low)
+    return float((returns & ~differs).mean())
+
+
+def _local_contrast(image: np.ndarray) -> np.ndarray:
+    """Return the deviation of grey levels around each pixel, float32 (y, x)."""
+    grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    mean, mean_square = (cv2.GaussianBlur(each, (0, 0), _NEAR) for each in (grey, grey * grey))
+    return np.sqrt(np.maximum(mean_square - mean * mean, 0))
 
 
 def _reduce(image: np.ndarray, side: int) -> np.ndarray:

@@ -30,10 +30,22 @@ class SceneCutParams(Frozen):
         0.35,
         ge=0,
         le=1,
-        description="pixels that flow there and back returns to, below which a frame begins a scene; 0 finds no cuts",
+        description="pixels that are found again, below which a frame begins a scene; 0 finds no cuts",
     )
     max_error: Annotated[float, Unit.PIXELS] = Field(
-        1.0, gt=0, description="distance up to which a pixel has returned, px of the reduced frames"
+        1.0,
+        gt=0,
+        description="distance from a pixel up to which flow there and back leads for it to be found again, px of the "
+        "reduced frames",
+    )
+    min_contrast: Annotated[float, Unit.GREY_LEVELS] = Field(
+        4.0, ge=0, description="local contrast of a pixel, in one frame or the other, below which it is not compared"
+    )
+    max_contrast_ratio: Annotated[float, Unit.RATIO] = Field(
+        6.0,
+        gt=1,
+        description="ratio of the local contrasts of a pixel in both frames, above which it is not found again, "
+        "as on a black frame or a plain title card",
     )
     window: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames before and after, whose changes are read")
     side: Annotated[int, Unit.PIXELS] = Field(160, ge=32, description="longer side to which frames are reduced, px")

@@ -38,6 +38,28 @@ def test_a_camera_that_starts_at_once_is_no_cut():
     assert find_cuts([*[scene[0]] * 8, *scene], PARAMS) == []
 
 
+@pytest.mark.parametrize("level", [0, 120, 255])
+@pytest.mark.parametrize("has_text", [False, True])
+def test_a_plain_card_is_another_scene(level, has_text):
+    card = np.full((120, 214, 3), level, np.uint8)
+    if has_text:
+        cv2.putText(card, "THE END", (40, 70), cv2.FONT_HERSHEY_SIMPLEX, 1, (200, 60, 60), 2)
+    assert find_cuts([*_scene(0, 9), *[card] * 6, *_scene(1, 7)], PARAMS) == [9, 15]
+
+
+def test_light_that_changes_at_once_is_no_cut():
+    scene = _scene(0, 16)
+    darker = [(0.4 * frame).astype(np.uint8) for frame in scene[8:]]
+    assert find_cuts([*scene[:8], *darker], PARAMS) == []
+    assert find_cuts([*darker, *scene[:8][::-1]], PARAMS) == []
+
+
+def test_a_flash_of_light_is_no_cut():
+    scene = _scene(0, 16)
+    scene[8] = (0.2 * scene[8] + 200).astype(np.uint8)
+    assert find_cuts(scene, PARAMS) == []
+
+
 def test_no_cut_is_found_if_none_is_searched():
     assert find_cuts([*_scene(0, 9), *_scene(1, 7)], SceneCutParams(max_consistent=0)) == []
 
