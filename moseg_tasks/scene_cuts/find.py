@@ -17,8 +17,8 @@ _NEAR = 2.0  # px of the reduced frames: deviation of the weights of local contr
 def find_cuts(images: Iterable[np.ndarray], params: SceneCutParams) -> list[int]:
     """Find the frames that begin another scene.
 
-    A frame does if it changes more than the frames around it, and if the pixels of the frame before are not found again:
-    the camera's turn at once changes much, too, but is seen by the flow; fast motion is not, but lasts.
+    A frame does if it changes more than the frames around it, and if the pixels of the frame before are not found
+    again: the camera's turn at once changes much, too, but is seen by the flow; fast motion is not, but lasts.
 
     Parameters
     ----------
