@@ -1,10 +1,11 @@
 """Cuts that are found where clips are joined, and in clips without any: ``python benchmarks/scene_cuts.py FOLDER ...``.
 
 Each FOLDER has the frames of one clip without cuts. Searched with the default parameters are every clip, by all its
-frames and by every second, third and fourth, and every two clips of one size, the last six frames of one before the
-first six of the other, by all frames and by every second; every clip joined to black frames and to title cards, which
-follow it or come before it; and every clip disturbed in several ways. The result is printed as JSON: joins, those found
-among them, pairs of frames of clips, and those of them taken for cuts (``false``); then the joins that were missed.
+frames and by every second, third and fourth; every two clips of one size, the last six frames of one before the first
+six of the other, by all frames and by every second; every clip joined to black frames and to title cards, which follow
+it or come before it; every two clips in a row that fade through black; and every clip disturbed in several ways. The
+result is printed as JSON: joins, those found among them, pairs of frames of clips, and those of them taken for cuts
+(``false``); then the joins that were missed.
 """
 
 import itertools
@@ -15,7 +16,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from disturbed_videos.disturbances import DISTURBANCES, Video
+from disturbed_videos.disturbances import DISTURBANCES, Video, darken
 
 from moseg.schemas.parameters import SceneCutParams
 from moseg.tasks.scene_cuts import find_cuts
@@ -23,6 +24,8 @@ from moseg.tasks.scene_cuts import find_cuts
 SUFFIXES = {".jpg", ".jpeg", ".png"}
 AROUND = 6
 """Frames of each clip at a join."""
+FADE = 10
+"""Frames over which a clip fades."""
 PARAMS = SceneCutParams()
 DISTURBED = ("shaken", "grey", "noisy", "compressed", "dark", "flash", "exposure")
 """Disturbances that need no ground truth."""
@@ -68,6 +71,26 @@ def count_cards(clips: Iterable[list[np.ndarray]]) -> dict[str, int]:
     return {"joins": joins, "found": found}
 
 
+def fade(frames: list[np.ndarray]) -> list[np.ndarray]:
+    """Return frames that fade to black."""
+    return [darken(frame, share) for frame, share in zip(frames, np.linspace(1, 0, len(frames)), strict=True)]
+
+
+def count_fades(clips: Iterable[list[np.ndarray]]) -> dict[str, int]:
+    """Return the number of pairs of clips that fade through black, and of those between which a cut is found."""
+    joins = found = 0
+    for before, after in itertools.pairwise(clips):
+        if before[0].shape == after[0].shape:
+            first, second = (
+                [*before[-AROUND:], *fade(before[::-1][:FADE])],
+                [*fade(after[:FADE])[::-1], *after[:AROUND]],
+            )
+            cuts = find_cuts(first + second, PARAMS)
+            joins += 1
+            found += any(abs(cut - len(first)) <= 2 for cut in cuts)
+    return {"joins": joins, "found": found}
+
+
 def count_false(clips: Iterable[list[np.ndarray]]) -> dict[str, int]:
     """Return the number of pairs of frames of clips without cuts, and of those that are taken for cuts."""
     pairs = false = 0
@@ -91,7 +114,8 @@ def main(folders: list[str]) -> None:
             if len(first) not in find_cuts(first + second, PARAMS):
                 missed.append((before, after, step))
     found = {"clips": len(clips), "joins": joins, "found": joins - len(missed), **thinned}
-    print(json.dumps({**found, "cards": count_cards(clips.values()), "disturbed": disturbed}))
+    beside = {"cards": count_cards(clips.values()), "fades": count_fades(clips.values()), "disturbed": disturbed}
+    print(json.dumps({**found, **beside}))
     for each in missed:
         print(*each, file=sys.stderr)
 

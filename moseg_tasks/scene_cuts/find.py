@@ -1,6 +1,6 @@
 """Cuts of a video, by changes that stand out and that no motion explains."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 
 import cv2
@@ -12,13 +12,16 @@ from moseg.tasks.saliency.grid import vector_length, warp
 
 _FLOW = FlowParams(preset="fast")
 _NEAR = 2.0  # px of the reduced frames: deviation of the weights of local contrast
+_NEARLY_ALL = 99  # per cent of the pixels of a plain frame
+_SHOWS_AGAIN = 2.0  # times the contrast of a plain frame, so that a dark scene near it is not cut again and again
 
 
 def find_cuts(images: Iterable[np.ndarray], params: SceneCutParams) -> list[int]:
     """Find the frames that begin another scene.
 
     A frame does if it changes more than the frames around it, and if the pixels of the frame before are not found
-    again: the camera's turn at once changes much, too, but is seen by the flow; fast motion is not, but lasts.
+    again: the camera's turn at once changes much, too, but is seen by the flow; fast motion is not, but lasts. Plain
+    frames, to which scenes fade, are a scene of their own however slowly they come.
 
     Parameters
     ----------
@@ -39,7 +42,17 @@ def find_cuts(images: Iterable[np.ndarray], params: SceneCutParams) -> list[int]
         stands_out = bool(around) and change > params.min_change * max(around)
         if stands_out and consistent_share(small[index], small[index + 1], params) < params.max_consistent:
             found.append(index + 1)
-    return found
+    return sorted({*found, *_plain_bounds([_high_contrast(image) for image in small], params.max_plain)})
+
+
+def _plain_bounds(contrasts: Sequence[float], max_plain: float) -> Iterator[int]:
+    """Yield the indices at which plain frames begin, and those at which frames with a scene do after them."""
+    was_plain = None
+    for index, contrast in enumerate(contrasts):
+        is_plain = contrast < (_SHOWS_AGAIN * max_plain if was_plain else max_plain)
+        if was_plain is not None and is_plain != was_plain:
+            yield index
+        was_plain = is_plain
 
 
 def consistent_share(image0: np.ndarray, image1: np.ndarray, params: SceneCutParams) -> float:
@@ -59,6 +72,11 @@ def consistent_share(image0: np.ndarray, image1: np.ndarray, params: SceneCutPar
     high, low = np.maximum(*contrasts), np.minimum(*contrasts)
     differs = (high > params.min_contrast) & (high > params.max_contrast_ratio * low)
     return float((returns & ~differs).mean())
+
+
+def _high_contrast(image: np.ndarray) -> float:
+    """Return the local contrast that nearly all pixels are below."""
+    return float(np.percentile(_local_contrast(image), _NEARLY_ALL))
 
 
 def _local_contrast(image: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ class SceneCutParams(Frozen):
         0.35,
         ge=0,
         le=1,
-        description="pixels that are found again, below which a frame begins a scene; 0 finds no cuts",
+        description="pixels that are found again, below which a frame begins a scene; with 0, plain frames alone do",
     )
     max_error: Annotated[float, Unit.PIXELS] = Field(
         1.0,
@@ -46,6 +46,12 @@ class SceneCutParams(Frozen):
         gt=1,
         description="ratio of the local contrasts of a pixel in both frames, above which it is not found again, "
         "as on a black frame or a plain title card",
+    )
+    max_plain: Annotated[float, Unit.GREY_LEVELS] = Field(
+        2.0,
+        ge=0,
+        description="local contrast below which nearly all pixels of a plain frame are, as of those between a fade to "
+        "black and the next scene; such frames are a scene of their own",
     )
     window: Annotated[int, Unit.FRAMES] = Field(3, ge=1, description="frames before and after, whose changes are read")
     side: Annotated[int, Unit.PIXELS] = Field(160, ge=32, description="longer side to which frames are reduced, px")

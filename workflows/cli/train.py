@@ -92,7 +92,7 @@ def train(
     --------
     moseg train --out network.onnx --folder training
     moseg train --out small.onnx --scenes 1000 --steps 1000
-    moseg train --from network.onnx --out further.onnx --folder further --steps 1000 --set rate=0.0003
+    moseg train --from network.onnx --out further.onnx --set rate=0.0003
     moseg train --videos my-videos --out mine.onnx --folder my-training
     """
     from moseg.workflows.api.training import run_scene_training, run_video_training

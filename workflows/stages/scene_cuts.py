@@ -23,7 +23,7 @@ def _params(config: PipelineConfig, first: int, last: int) -> dict:
     return {"first": first, "last": last, "scene_cuts": read}
 
 
-INCONSISTENT_CHANGES = Task("scene_cuts", "inconsistent-changes", version=2, run=_run, params=_params)
+INCONSISTENT_CHANGES = Task("scene_cuts", "inconsistent-changes", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="scene_cuts",

@@ -47,6 +47,23 @@ def test_a_plain_card_is_another_scene(level, has_text):
     assert find_cuts([*_scene(0, 9), *[card] * 6, *_scene(1, 7)], PARAMS) == [9, 15]
 
 
+def test_scenes_that_fade_through_black_are_apart():
+    light = [*np.ones(18), *np.linspace(1, 0, 12)]
+    out = [(share * frame).astype(np.uint8) for share, frame in zip(light, _scene(0, 30), strict=True)]
+    back = [(share * frame).astype(np.uint8) for share, frame in zip(light[::-1], _scene(1, 30), strict=True)]
+    cuts = find_cuts([*out, *back], PARAMS)
+    # The last frame of one and the first frame of the other are black, and those beside them nearly are.
+    assert len(cuts) == 2 and 27 <= cuts[0] <= 29 and 31 <= cuts[1] <= 33
+
+
+def test_a_scene_that_is_almost_plain_is_not_cut_again_and_again():
+    rng = np.random.default_rng(0)
+    levels = 2.2 * (1 + 0.15 * rng.standard_normal(40))
+    texture = np.tile(np.array([[-1.0, 1.0], [1.0, -1.0]]).repeat(4, 0).repeat(4, 1), (15, 20))[..., None]
+    frames = [np.clip(60 + level * texture, 0, 255).round().astype(np.uint8).repeat(3, axis=2) for level in levels]
+    assert len(find_cuts(frames, PARAMS)) <= 1
+
+
 def test_light_that_changes_at_once_is_no_cut():
     scene = _scene(0, 16)
     darker = [(0.4 * frame).astype(np.uint8) for frame in scene[8:]]
