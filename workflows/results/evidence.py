@@ -13,7 +13,7 @@ from moseg.workflows.results.rigid_support import read_rigid_support
 
 
 class SceneEvidence(NamedTuple):
-    """Where the evidence of one scene is stored.
+    """References of the evidence of one scene.
 
     Attributes
     ----------

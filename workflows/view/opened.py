@@ -32,7 +32,7 @@ class ExportChoices(NamedTuple):
 
 
 class Written(NamedTuple):
-    """What was written: the paths, and what is worth a look in the result."""
+    """Paths of what was written, and what is worth a look in the result."""
 
     paths: tuple[Path, ...]
     look_at: tuple[str, ...]

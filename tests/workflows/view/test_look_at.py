@@ -1,4 +1,4 @@
-"""What is worth a look in a result: it is on the page, follows what is written, and leads to its frame."""
+"""Doubts about a result on its page: those of the summary, each with the way to its frame."""
 
 import json
 
