@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class SceneCutParams(Frozen):
-    """Change of each frame against those around it, and the share of its pixels that flow finds in the frame before.
+    """Change of each frame against those around it, and the pixels of the frame before that are found again in it.
 
     A user's video is segmented scene by scene; the sequences of data sets are not searched.
     """

@@ -38,13 +38,15 @@ def test_a_camera_that_starts_at_once_is_no_cut():
     assert find_cuts([*[scene[0]] * 8, *scene], PARAMS) == []
 
 
+# Found as a plain frame, and by the contrast of the pixels that flow leads to.
+@pytest.mark.parametrize("params", [PARAMS, SceneCutParams(max_plain=0), SceneCutParams(max_contrast_ratio=1e6)])
 @pytest.mark.parametrize("level", [0, 120, 255])
 @pytest.mark.parametrize("has_text", [False, True])
-def test_a_plain_card_is_another_scene(level, has_text):
+def test_a_plain_card_is_another_scene(level, has_text, params):
     card = np.full((120, 214, 3), level, np.uint8)
     if has_text:
         cv2.putText(card, "THE END", (40, 70), cv2.FONT_HERSHEY_SIMPLEX, 1, (200, 60, 60), 2)
-    assert find_cuts([*_scene(0, 9), *[card] * 6, *_scene(1, 7)], PARAMS) == [9, 15]
+    assert find_cuts([*_scene(0, 9), *[card] * 6, *_scene(1, 7)], params) == [9, 15]
 
 
 def test_scenes_that_fade_through_black_are_apart():
