@@ -12,6 +12,7 @@ from moseg.schemas.parameters import (
     AccumulationParams,
     AffinityParams,
     AppearanceParams,
+    BlackBarParams,
     BootsTapirParams,
     CameraParams,
     CandidateParams,
@@ -176,6 +177,7 @@ class PipelineConfig(Frozen):
     cameras: CameraParams = CameraParams()
     rigidity: RigidityParams = RigidityParams()
     repetitions: RepetitionParams = RepetitionParams()
+    black_bars: BlackBarParams = BlackBarParams()
     scene_cuts: SceneCutParams = SceneCutParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()

@@ -3,6 +3,7 @@
 from moseg.schemas.parameters.accumulation import AccumulationParams
 from moseg.schemas.parameters.affinity import AffinityParams, HypothesisAffinityParams
 from moseg.schemas.parameters.appearance import AppearanceParams
+from moseg.schemas.parameters.black_bars import BlackBarParams
 from moseg.schemas.parameters.bootstapir import BootsTapirParams
 from moseg.schemas.parameters.cameras import CameraParams
 from moseg.schemas.parameters.carrying import CarryingParams
@@ -79,6 +80,7 @@ __all__ = [
     "AccumulationParams",
     "AffinityParams",
     "AppearanceParams",
+    "BlackBarParams",
     "BootsTapirParams",
     "CameraParams",
     "CandidateParams",

@@ -63,7 +63,7 @@ def _num_pixels(store: ArtifactStore, recipes: Iterable[Recipe]) -> int:
     """Return the pixels of a frame that the recipes read; 0 if none of them reads a stored one."""
     for recipe in recipes:
         for ref in recipe.input_refs():
-            if ref.startswith("frame/"):
+            if ref.startswith(("frame/", "filled_frame/")):
                 try:
                     height, width, _ = store.manifest(ref).array("image").shape
                 except MissingArtifactError:

@@ -15,7 +15,6 @@ class Foreground:
     def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
         self._nodes = nodes
         self._config = nodes.config
-        self._leaves = nodes.leaves
         self._cues = cues
         self._sections = sections
         self._video_networks = VideoNetworks(nodes, cues, sections)
@@ -26,7 +25,7 @@ class Foreground:
         section = self._sections[index]
         inputs = {
             "foreground": self.foregrounds(index),
-            "frames": self._leaves.frames[section.start : section.proposal_stop],
+            "frames": self._nodes.frames[section.start : section.proposal_stop],
             "saliency": self.saliency(section.start, section.proposal_stop),
         }
         steps = self.steps(section.start, section.proposal_stop)
@@ -72,7 +71,7 @@ class Foreground:
     def appearance(self, index: int) -> str:
         """Return the reference of the colours of a section's moving and static pixels."""
         section = self._sections[index]
-        inputs = {"frames": self._leaves.frames[section.start : section.stop], **self._accumulated(index)}
+        inputs = {"frames": self._nodes.frames[section.start : section.stop], **self._accumulated(index)}
         return self._nodes.add("appearance", inputs)
 
     def _accumulated(self, index: int) -> dict[str, str]:
@@ -111,7 +110,7 @@ class Foreground:
     @cached_method
     def _consistency(self, index: int) -> str:
         section = self._sections[index]
-        first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._leaves.frames))
+        first, last = max(section.start - 1, 0), min(section.stop + 1, len(self._nodes.frames))
         inputs = {"saliency": self.steps(first, last)}
         return self._nodes.add("consistency", inputs, first=section.start - first, last=section.stop - first)
 

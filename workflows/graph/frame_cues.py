@@ -23,8 +23,7 @@ class FrameCues:
     def __init__(self, nodes: Nodes):
         self._nodes = nodes
         self._config = nodes.config
-        self._leaves = nodes.leaves
-        self.pictures = Pictures(nodes.leaves.frames, nodes.leaves.repetitions)
+        self.pictures = Pictures(nodes.frames, nodes.leaves.repetitions)
 
     @cached_method
     def flow(self, frame0: int, frame1: int) -> str:
@@ -34,7 +33,7 @@ class FrameCues:
             # Given for neighbours: from the last of the frames that repeat `frame0` on the way to `frame1`.
             direction, pair = ("flow_forward", frame1 - 1) if frame1 > frame0 else ("flow_backward", frame1)
             return self._nodes.required(direction, f"flow: {params.method}")[pair]
-        return self._nodes.add("flow", {"frame0": self._leaves.frames[frame0], "frame1": self._leaves.frames[frame1]})
+        return self._nodes.add("flow", {"frame0": self._nodes.frames[frame0], "frame1": self._nodes.frames[frame1]})
 
     def flow_to_next(self, frame: int) -> str:
         """Return the reference of the flow from one frame to the next picture, which must be there."""
@@ -46,7 +45,7 @@ class FrameCues:
         method = self._config.depth.method
         if method in GIVEN_SOURCES:
             return self._nodes.required("depth", f"depth: {method}")[frame]
-        return self._nodes.add("depth", {"frame": self._leaves.frames[frame]})
+        return self._nodes.add("depth", {"frame": self._nodes.frames[frame]})
 
     def background(self, frame: int) -> str | None:
         """Return the reference of the background's model in a frame; None for layers, or if there is no frame pair.
@@ -74,7 +73,7 @@ class FrameCues:
     @cached_method
     def saliency(self, frame: int) -> str:
         """Return the reference of a frame's motion saliency."""
-        frames = self._leaves.frames
+        frames = self._nodes.frames
         inputs = {"frame": frames[frame]}
         background = self.background(frame)
         if background is not None:
@@ -106,7 +105,7 @@ class FrameCues:
 
         They are counted from `start`.
         """
-        num_frames, step = len(self._leaves.frames), self._config.motion_network.step
+        num_frames, step = len(self._nodes.frames), self._config.motion_network.step
 
         def is_looked_at(frame: int) -> bool:
             # the last frame too, unless it is beside one of the others
@@ -122,7 +121,7 @@ class FrameCues:
     @cached_method
     def motion_network(self, frame: int) -> str:
         """Return the reference of the motion network's logit for a frame."""
-        frames = self._leaves.frames
+        frames = self._nodes.frames
         inputs = {
             "frame": frames[frame],
             "saliency": self.saliency(frame),

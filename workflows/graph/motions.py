@@ -52,13 +52,13 @@ class Motions:
     def tracks(self, index: int) -> str:
         """Return the reference of a section's point tracks, which continue `gap` frames into the next section."""
         section = self._sections[index]
-        stop = min(section.stop + self._config.fundamental.gap, len(self._leaves.frames))
+        stop = min(section.stop + self._config.fundamental.gap, len(self._nodes.frames))
         proposals = self._objects.proposals(index)
         if self._config.tracks.method in GIVEN_SOURCES:
             given = self._nodes.required("tracks", f"tracks: {self._config.tracks.method}")
             inputs = {"tracks": given, "proposals": proposals}
             return self._nodes.add("tracks", inputs, start=section.start, stop=stop)
-        inputs = {"frames": self._leaves.frames[section.start : stop], "proposals": proposals}
+        inputs = {"frames": self._nodes.frames[section.start : stop], "proposals": proposals}
         num_frames = min(self._objects.labelled_until(index), stop) - section.start
         return self._nodes.add("tracks", inputs, num_frames=num_frames)
 
@@ -82,7 +82,7 @@ class Motions:
 
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
         """Yield, for every section with frame pairs, its index, the number of pairs, and their gap in frames."""
-        num_frames = len(self._leaves.frames)
+        num_frames = len(self._nodes.frames)
         gap = min(gap, num_frames - 1)
         for index, section in enumerate(self._sections):
             num_pairs = min(section.stop, num_frames - gap) - section.start

@@ -2,6 +2,7 @@
 
 from collections import ChainMap
 from collections.abc import Mapping, MutableMapping
+from functools import cached_property
 from inspect import signature
 from typing import Any
 
@@ -55,6 +56,13 @@ class Nodes:
         if recipes is None:
             recipes = ChainMap({}, *getattr(self.recipes, "maps", [self.recipes]))
         return Nodes(leaves, config, recipes)
+
+    @cached_property
+    def frames(self) -> tuple[str, ...]:
+        """References of the frames that are analysed: those of the leaves, filled where these have black bars."""
+        if self.leaves.bars is None:
+            return self.leaves.frames
+        return tuple(self.add("filled_frame", {"frame": frame}, bars=self.leaves.bars) for frame in self.leaves.frames)
 
     def add(self, stage: str, inputs: Inputs, method: str | None = None, **place) -> str:
         """Write the recipe of a stage and return its reference.

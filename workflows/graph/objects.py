@@ -32,7 +32,7 @@ class Objects:
         """Return the reference of a section's object proposals."""
         # In order, because a section starts with the objects that were tracked into it.
         while len(self._proposals) <= index:
-            self._proposals.append(self._propose(len(self._proposals)))
+            self._proposals.append(self._inside(self._propose(len(self._proposals))))
         return self._proposals[index]
 
     @cached_method
@@ -55,7 +55,7 @@ class Objects:
         section = self._sections[index]
         inputs = {
             "components": self._foreground.components(index),
-            "frames": self._leaves.frames[section.start : section.proposal_stop],
+            "frames": self._nodes.frames[section.start : section.proposal_stop],
             "saliency": self._foreground.steps(section.start, section.proposal_stop),
         }
         return self._nodes.add("sightings", inputs)
@@ -116,10 +116,15 @@ class Objects:
         section = self._sections[index]
         if self._config.proposal_source in TRACKED_SOURCES:
             # The next section continues the objects that were tracked into its first frame.
-            return min(section.stop + 1, len(self._leaves.frames))
+            return min(section.stop + 1, len(self._nodes.frames))
         if self.source_of(index) == "tracks":
             return self.track_proposals.window(index).last
         return section.proposal_stop
+
+    def _inside(self, proposals: str) -> str:
+        """Return the reference of a section's objects without what lies in black bars; as they are without bars."""
+        bars = self._leaves.bars
+        return proposals if bars is None else self._nodes.add("proposals", {"proposals": proposals}, "inside", bars=bars)
 
     def _propose(self, index: int) -> str:
         section = self._sections[index]
@@ -138,7 +143,7 @@ class Objects:
         section = self._sections[index]
         if self.regions_of(index) == "tracks":
             return self.track_proposals.proposals(index)
-        frames = self._leaves.frames[section.start : section.proposal_stop]
+        frames = self._nodes.frames[section.start : section.proposal_stop]
         inputs = {
             "frames": frames,
             "components": self._foreground.components(index),
@@ -149,7 +154,7 @@ class Objects:
     def _track_objects(self, index: int) -> str:
         """Return the reference of a section's objects, tracked from the masks of its first frame."""
         section = self._sections[index]
-        frames = self._leaves.frames[section.start : self.labelled_until(index)]
+        frames = self._nodes.frames[section.start : self.labelled_until(index)]
         return self._nodes.add("proposals", {"frames": frames, "seeds": self._seeds(index)})
 
     def _seeds(self, index: int) -> str:
@@ -162,16 +167,16 @@ class Objects:
 
     def motion_prompts(self, index: int) -> str:
         """Return the reference of the prompts that moving regions give in a section's first frame."""
-        return self._nodes.add("motion_prompts", {"regions": self._regions(index)})
+        return self._nodes.add("motion_prompts", {"regions": self._inside(self._regions(index))})
 
     def _prompted(self, index: int) -> str:
         """Return the reference of the objects that moving regions prompt in a section's first frame."""
-        frame = self._leaves.frames[self._sections[index].start]
+        frame = self._nodes.frames[self._sections[index].start]
         return self._nodes.add("instances", {"frame": frame, "prompts": self.motion_prompts(index)})
 
     def _instances(self, frame: int) -> str:
         """Return the reference of the objects that the networks find in one frame."""
-        image = self._leaves.frames[frame]
+        image = self._nodes.frames[frame]
         if self._config.proposal_source == "sam3":
             return self._nodes.add("instances", {"frame": image})
         return self._nodes.add("instances", {"frame": image, "detections": self._detections(image)})

@@ -34,16 +34,25 @@ class PaintedSections:
 
     def painted(self, index: int) -> str | None:
         """Return the reference of a section's painted pixels; None where no edit reaches it."""
-        section, masks, first, brushes = self._sections[index], [], [], []
+        section, masks, first, brushes, drawn = self._sections[index], [], [], [], []
         for edit, brush in self._brushes().items():
             if index in self._masks(edit):
                 masks.append(self._masks(edit)[index])
                 first.append(max(self._reach(edit)[0] - section.start, 0))
                 brushes.append(brush)
+                drawn.append(self._drawn_row(edit, index, section.start + first[-1]))
         if not masks:
             return None
         place = {"num_frames": section.stop - section.start, "first": first, "brushes": brushes}
+        if self._leaves.bars is not None:
+            place |= {"bars": self._leaves.bars, "drawn": drawn}
         return self._nodes.add("painted", {"masks": tuple(masks)}, **place)
+
+    def _drawn_row(self, edit: int, index: int, first: int) -> int | None:
+        """Return the row of an edit's mask in a section, counted from frame `first`, whose strokes the user drew."""
+        value = _value(self._leaves.edits[edit])
+        is_drawn = index == self._own(edit) and not isinstance(value, Growing)
+        return value.frame - first if is_drawn else None
 
     @cached_method
     def _brushes(self) -> dict:
@@ -95,8 +104,8 @@ class PaintedSections:
             inputs = {"carried": before, **self._cues_of(edit, index)}
             return self._nodes.add("carried_mask", inputs, "continued", origin=origin)
         border = section.start - 1 if origin == PASSES[0] else section.stop
-        frames = self._leaves.frames[section.start : section.stop]
-        inputs = {"tracked": before, "frames": frames, "border": self._leaves.frames[border]}
+        frames = self._nodes.frames[section.start : section.stop]
+        inputs = {"tracked": before, "frames": frames, "border": self._nodes.frames[border]}
         return self._nodes.add("tracked_mask", inputs, "continued", origin=origin)
 
     def _start(self, edit: int, index: int) -> str:
@@ -109,12 +118,12 @@ class PaintedSections:
         grown = {"grown_object": self._grow(edit)}
         if not _is_tracked(value):
             return self._nodes.add("carried_mask", grown | self._cues_of(edit, index), "grown", **place)
-        grown["frames"] = self._leaves.frames[start : self._sections[index].stop]
+        grown["frames"] = self._nodes.frames[start : self._sections[index].stop]
         return self._nodes.add("tracked_mask", grown, "grown", **place)
 
     def _grow(self, edit: int) -> str:
         value = _value(self._leaves.edits[edit])
-        inputs = {"frame": self._leaves.frames[value.frame]}
+        inputs = {"frame": self._nodes.frames[value.frame]}
         if not _is_tracked(value):
             inputs["saliency"] = self._cues.saliency(value.frame)
         return self._nodes.add("grown_object", inputs, value.by, growing=value, frame_size=self._leaves.frame_size)
@@ -126,7 +135,7 @@ class PaintedSections:
         # Of the pair over the cut too where it comes from another section.
         pairs = range(start - (index > own), stop - 1 + (index < own))
         return {
-            "frames": self._leaves.frames[start:stop],
+            "frames": self._nodes.frames[start:stop],
             "flow_forward": tuple(self._cues.flow(frame, frame + 1) for frame in pairs),
             "flow_backward": tuple(self._cues.flow(frame + 1, frame) for frame in pairs),
         }

@@ -19,7 +19,7 @@ class Repetitions:
     def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
         self._nodes = Nodes(leaves, config)
         self._params = config.repetitions
-        pictures = Pictures(leaves.frames)
+        pictures = Pictures(self._nodes.frames)
         self._shown = [pictures.frames(picture).start for picture in range(len(pictures))]
         # Two changes at least, one to be compared with the other.
         is_searched = self._params.max_change > 0 and len(self._shown) > 2
@@ -44,7 +44,7 @@ class Repetitions:
 
     def _search(self, stretch: Stretch) -> str:
         read, place = self._read(stretch)
-        frames = tuple(self._nodes.leaves.frames[self._shown[index]] for index in range(*read))
+        frames = tuple(self._nodes.frames[self._shown[index]] for index in range(*read))
         return self._nodes.add("repetitions", {"frames": frames}, **place)
 
     def _read(self, stretch: Stretch) -> ReadStretch:

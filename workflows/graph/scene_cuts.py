@@ -23,7 +23,7 @@ class SceneCuts(NamedTuple):
 
 def scene_cuts(nodes: Nodes) -> tuple[SceneCuts, ...]:
     """Write the recipe of the cuts of each stretch of a sequence, and return them; none in two frames."""
-    params, frames = nodes.config.scene_cuts, nodes.leaves.frames
+    params, frames = nodes.config.scene_cuts, nodes.frames
     if params.max_consistent == 0 or len(frames) < 3:
         return ()
     found = []

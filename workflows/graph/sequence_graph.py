@@ -12,6 +12,7 @@ from moseg.schemas.corrections import Drop, Rename, Static
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters.clustering import READ_TRACKS
 from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.black_bars import black_bars
 from moseg.workflows.graph.foreground import Foreground
 from moseg.workflows.graph.frame_cues import FrameCues
 from moseg.workflows.graph.motions import Motions
@@ -182,6 +183,10 @@ class SequenceGraph:
         if corrected is None or all(isinstance(edit, Drop | Static | Rename) for edit in self.leaves.edits):
             return self._label(variant, None), {"linking": self.objects.linking()}
         return self._label(variant, corrected), {"corrected": corrected}
+
+    def black_bars(self) -> str:
+        """Return the reference of the black bars of the sequence."""
+        return black_bars(self._first_nodes)
 
     def scene_cuts(self) -> tuple[SceneCuts, ...]:
         """Return the cuts of each stretch of the sequence."""

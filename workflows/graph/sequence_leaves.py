@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from itertools import chain, pairwise
 from typing import NamedTuple
 
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.corrections import Edit
 from moseg.schemas.recipes import Ref
 from moseg.schemas.stretch_choice import StretchChoice
@@ -21,6 +22,7 @@ class SequenceLeaves(NamedTuple):
     shape : (int, int)
         Height and width of the analysed frames, px.
     frames : tuple of references
+        Those that are shown; `Nodes.frames` are those that are analysed.
     annotation : reference or None
         Ground truth at every pixel of the annotated frames.
     labelled_points : reference or None
@@ -41,6 +43,8 @@ class SequenceLeaves(NamedTuple):
         The motion network, if the configuration uses it.
     weights : mapping of str to reference
         The weights of the configuration's networks, by the name of their item; a leaf may be found when it is read.
+    bars : BlackBars or None
+        Black bars that are left out of the analysis, px of the analysed frames; None without any.
     repetitions : tuple of int
         Frames that repeat the one before them, beside those that were decoded to the same.
     choices : tuple of StretchChoice
@@ -69,6 +73,7 @@ class SequenceLeaves(NamedTuple):
     flow_backward: tuple[Ref, ...] | None = None
     motion_weights: Ref | None = None
     weights: Mapping[str, Ref] = {}
+    bars: BlackBars | None = None
     repetitions: tuple[int, ...] = ()
     choices: tuple[StretchChoice, ...] = ()
     cuts: tuple[int, ...] = ()

@@ -69,9 +69,9 @@ class Stretches:
     def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
         self._nodes = Nodes(leaves, config)
         self._params = config.scene_parallax
-        self._frames = leaves.frames
-        self._pictures = Pictures(leaves.frames, leaves.repetitions)
-        self.stretches = cut_stretches(len(leaves.frames), config.scene_parallax.stretch_length)
+        self._frames = self._nodes.frames
+        self._pictures = Pictures(self._frames, leaves.repetitions)
+        self.stretches = cut_stretches(len(self._frames), config.scene_parallax.stretch_length)
 
     @property
     def recipes(self) -> dict[str, Recipe]:

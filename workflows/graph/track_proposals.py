@@ -28,7 +28,7 @@ class TrackProposals:
     def window(self, index: int) -> Window:
         """Return the window of a section: that of a short last section begins before it."""
         section, params = self._sections[index], self._config.track_window
-        last = min(section.stop + params.overlap, len(self._leaves.frames))
+        last = min(section.stop + params.overlap, len(self._nodes.frames))
         return Window(max(min(section.start, last - params.min_frames), 0), last)
 
     def first_row(self, index: int) -> int:
@@ -41,7 +41,7 @@ class TrackProposals:
         first, last = self.window(index)
         pairs = [(frame, frame + 1) for frame in range(first, last - 1)]
         inputs = {
-            "frames": self._leaves.frames[first:last],
+            "frames": self._nodes.frames[first:last],
             "flow_forward": tuple(self._cues.flow(frame0, frame1) for frame0, frame1 in pairs),
             "flow_backward": tuple(self._cues.flow(frame1, frame0) for frame0, frame1 in pairs),
         }
@@ -51,13 +51,13 @@ class TrackProposals:
     def cameras(self, index: int) -> str:
         """Return the reference of the cameras of the frames of a section's window, by a network."""
         first, last = self.window(index)
-        return self._nodes.add("cameras", {"frames": self._leaves.frames[first:last]})
+        return self._nodes.add("cameras", {"frames": self._nodes.frames[first:last]})
 
     @cached_method
     def rigidity(self, index: int, step: int = 1) -> str:
         """Return the reference of the deviation of these tracks from a rigid scene, in pairs `step` frames apart."""
         first, last = self.window(index)
-        inputs = {"dense_tracks": self.dense_tracks(index, step), "frames": self._leaves.frames[first:last]}
+        inputs = {"dense_tracks": self.dense_tracks(index, step), "frames": self._nodes.frames[first:last]}
         if self._config.cameras.method != "tracks":
             inputs["cameras"] = self.cameras(index)
         elif self._config.depth.method != "none":
@@ -84,7 +84,7 @@ class TrackProposals:
         """Return the reference of the masks of these objects, from the section's start to the end of the window."""
         start, last = self._sections[index].start, self.window(index).last
         inputs = {
-            "frames": self._leaves.frames[start:last],
+            "frames": self._nodes.frames[start:last],
             "dense_tracks": self.dense_tracks(index),
             "track_objects": self.objects(index),
             "track_surfaces": self.surfaces(index),

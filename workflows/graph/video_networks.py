@@ -19,7 +19,7 @@ class VideoNetworks:
     def __init__(self, nodes: Nodes, cues: FrameCues, sections: tuple[Section, ...]):
         self._nodes = nodes
         self._params = nodes.config.video_network
-        self._frames = nodes.leaves.frames
+        self._frames = nodes.frames
         self._cues = cues
         self._sections = sections
         length = max(round(self._params.stretch_length / nodes.config.sections.length), 1)

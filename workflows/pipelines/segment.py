@@ -12,10 +12,11 @@ from moseg.store import ArtifactStore
 from moseg.workflows.datasets import SequenceSource
 from moseg.workflows.engine.cues import cues_behind
 from moseg.workflows.engine.session import Session
-from moseg.workflows.exports.black_bars import describe_bars, find_bars, sampled
+from moseg.workflows.exports.black_bars import describe_bars
 from moseg.workflows.exports.doubts import BY_HAND, Advice, advise
 from moseg.workflows.exports.scene_cuts import describe_cuts
 from moseg.workflows.graph import SequenceGraph, make_graph
+from moseg.workflows.graph.black_bars import read_bars
 from moseg.workflows.graph.scene_cuts import SceneCuts, read_cuts
 from moseg.workflows.pipelines.leaves import ingest_video
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
@@ -49,6 +50,10 @@ class StoredSegmentation(NamedTuple):
         before the user's edits.
     frame_refs, label_refs : tuple of references
         The frames, and the labels of every section.
+    bars_ref : reference
+        The black bars of the frames.
+    are_bars_left_out : bool
+        Whether bars were filled for the analysis, and nothing was found in them.
     evidence : Evidence
         What the motion groups come from, about each of `rows`.
     choices : tuple of StretchChoice
@@ -79,6 +84,8 @@ class StoredSegmentation(NamedTuple):
     rows: tuple[int, ...]
     frame_refs: tuple[str, ...]
     label_refs: tuple[str, ...]
+    bars_ref: str
+    are_bars_left_out: bool
     evidence: Evidence
     choices: tuple[StretchChoice, ...] = ()
     moves_refs: tuple[str | None, ...] = ()
@@ -107,9 +114,10 @@ class StoredSegmentation(NamedTuple):
 
     def about_picture(self, store: ArtifactStore) -> tuple[str, ...]:
         """Return what is worth a look in the frames themselves, whatever was found in them, in words."""
-        images = [store.read(self.frame_refs[index], "image") for index in sampled(self.num_frames)]
+        bars = read_bars(store.attributes(self.bars_ref))
         cuts = read_cuts(self.cuts, [store.attributes(each.ref) for each in self.cuts])
-        return (*describe_bars(find_bars(images), self.analysed_shape, self.shape), *describe_cuts(cuts, self.apart))
+        about_bars = describe_bars(bars, self.analysed_shape, self.shape, self.are_bars_left_out)
+        return (*about_bars, *describe_cuts(cuts, self.apart))
 
     def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
         """Return labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
@@ -206,8 +214,9 @@ def segment(
 def sinks_of(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> tuple[str, ...]:
     """Return the references that a `StoredSegmentation` reads: labels, then what is known about them."""
     clustering = graph.clustering(variant)
-    beside = (*graph.moves_now(variant), *graph.confidences(variant), *(cuts.ref for cuts in graph.scene_cuts()))
-    sinks = (*graph.segmentations(variant), *filter(None, beside))
+    beside = (*graph.moves_now(variant), *graph.confidences(variant))
+    about_picture = (graph.black_bars(), *(cuts.ref for cuts in graph.scene_cuts()))
+    sinks = (*graph.segmentations(variant), *filter(None, beside), *about_picture)
     if clustering is None:
         return sinks
     return (*sinks, clustering, *chain.from_iterable(each.refs() for each in scene_evidence(graph, config, variant)))
@@ -229,6 +238,8 @@ def read_stored(
         rows=(0, *identities),
         frame_refs=graph.leaves.frames,
         label_refs=graph.segmentations(variant),
+        bars_ref=graph.black_bars(),
+        are_bars_left_out=graph.leaves.bars is not None,
         evidence=Evidence(scene_evidence(graph, config, variant), scene_rows(store, graph)),
         choices=graph.leaves.choices,
         moves_refs=graph.moves_now(variant),

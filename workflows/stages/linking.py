@@ -36,15 +36,22 @@ def _run_overlap(params, inputs, rng):
     identity = link_sections(overlaps, num_objects, LinkingParams.of_recipe(params["linking"]))
     if "sightings" in inputs:
         seen = dict(zip(params["seen"], inputs.all("sightings"), strict=True))
-        read = [_read_sightings(seen.get(index), Sightings) for index in range(len(sections))]
+        read = [_read_sightings(seen.get(index), section, Sightings) for index, section in enumerate(sections)]
         starts = np.cumsum([0, *params["lengths"][:-1]]).tolist()
         frame_area = next(iter(seen.values())).attributes["frame_area"]
         identity = find_returns(identity, starts, read, frame_area, IdentityParams.of_recipe(params["identity"]))
     return Output({"identity": identity}, {"num_objects": int(identity.max(initial=0)) + 1})
 
 
-def _read_sightings(section, kind):
-    return None if section is None else kind(*(section.array(name) for name in kind._fields))
+def _read_sightings(sightings, section, kind):
+    """Return the sightings of a section's objects; None where there are none."""
+    if sightings is None:
+        return None
+    found = kind(*(sightings.array(name) for name in kind._fields))
+    if "kept" not in section.attributes:
+        return found
+    kept = np.array(section.attributes["kept"], np.intp) - 1
+    return found._replace(frames=found.frames[kept], places=found.places[kept], colours=found.colours[kept])
 
 
 def _run_given(params, inputs, rng):

@@ -1,8 +1,11 @@
 """Painted: what a user painted, erased and added, at every pixel of a section."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -13,15 +16,39 @@ def _run(params, inputs, rng):
 
     views = inputs.all("masks")
     brushes = [Brush(each["number"], each["erases"]) for each in params["brushes"]]
-    masks = zip(params["first"], (view.array("mask") for view in views), strict=True)
+    masks = zip(params["first"], _masks(params, views), strict=True)
     shape = (params["num_frames"], *views[0].shape("mask")[1:])
     painted, erased = paint_pixels(masks, brushes, shape)
     return Output({"painted": painted}, {"erased": [list(each) for each in erased]})
 
 
-def _params(config: PipelineConfig, num_frames: int, first: Sequence[int], brushes: Sequence[tuple]) -> dict:
+def _masks(params, views) -> Iterator[np.ndarray]:
+    """Yield the pixels of each edit, without those in black bars but where the user drew them."""
+    if "bars" not in params:
+        yield from (view.array("mask") for view in views)
+        return
+    from moseg.tasks.black_bars import clear_bars
+
+    for view, drawn in zip(views, params["drawn"], strict=True):
+        mask = view.array("mask")
+        cleared = clear_bars(mask, BlackBars(**params["bars"]))
+        if drawn is not None:
+            cleared[drawn] = mask[drawn]
+        yield cleared
+
+
+def _params(
+    config: PipelineConfig,
+    num_frames: int,
+    first: Sequence[int],
+    brushes: Sequence[tuple],
+    bars: BlackBars | None = None,
+    drawn: Sequence[int | None] = (),
+) -> dict:
+    """Return the parameters; `drawn` are the rows of the edits' masks in which the user drew strokes."""
     written = [{"number": number, "erases": erases} for number, erases in brushes]
-    return {"num_frames": num_frames, "first": list(first), "brushes": written}
+    read = {"num_frames": num_frames, "first": list(first), "brushes": written}
+    return read if bars is None else {**read, "bars": bars._asdict(), "drawn": list(drawn)}
 
 
 IN_ORDER = Task("painted", "in-order", version=2, run=_run, params=_params)

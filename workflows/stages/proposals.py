@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import MOTION_SOURCES, TRACKED_SOURCES, PipelineConfig
 from moseg.schemas.parameters import (
     DeaotParams,
@@ -23,6 +24,9 @@ from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
 from moseg.workflows.stages.track_surfaces import MASK_PARAMS
+
+OF_OBJECTS = ("candidates", "is_moving", "identities", "tags")
+"""Attributes of proposals that have an entry for each object."""
 
 
 def _run_saliency(params, inputs, rng):
@@ -153,6 +157,19 @@ def _track(build, track_masks, tracker_params, inputs):
     )
 
 
+def _run_inside(params, inputs, rng):
+    from moseg.tasks.black_bars import keep_inside
+    from moseg.tasks.proposals.boxes import object_boxes
+
+    scores, attributes = inputs["proposals"].array("scores"), inputs["proposals"].attributes
+    masks, kept = keep_inside(inputs["proposals"].array("masks"), len(scores), BlackBars(**params["bars"]))
+    of_objects = {name: [attributes[name][index] for index in kept] for name in OF_OBJECTS if name in attributes}
+    return Output(
+        {"masks": masks, "scores": scores[kept], "boxes": object_boxes(masks, len(kept))},
+        {**attributes, **of_objects, "kept": (kept + 1).tolist()},
+    )
+
+
 def _saliency_params(config: PipelineConfig) -> dict:
     return {"refinement": config.refinement.model_dump(mode="json")}
 
@@ -170,6 +187,10 @@ def _track_params(config: PipelineConfig, start: int, section: int) -> dict:
 
 def _given_params(config: PipelineConfig, start: int, stop: int, shape: tuple[int, int], void: int | None) -> dict:
     return {"start": start, "stop": stop, "shape": list(shape), "void": void}
+
+
+def _inside_params(config: PipelineConfig, bars: BlackBars) -> dict:
+    return {"bars": bars._asdict()}
 
 
 def _deaot_params(config: PipelineConfig) -> dict:
@@ -202,6 +223,7 @@ def _method(config: PipelineConfig) -> str:
 SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency, params=_saliency_params)
 DENSE_TRACKS = Task("proposals", "tracks", version=2, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
+INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)
 DEAOT = Task(
     "proposals",
     "deaot",
@@ -249,6 +271,7 @@ STAGE = Stage(
         "flow_previous": "flow from the last frame to the one before it (tracks)",
         "seeds": "objects that tracking starts with (trackers)",
         "masks": "given masks of the sequence (given)",
+        "proposals": "objects of the section by another method, with what lies in black bars (inside)",
         "weights": "of the network",
     },
     arrays={
@@ -256,7 +279,7 @@ STAGE = Stage(
         "scores": layout("float64", "object"),
         "boxes": layout("int32", "object frame xyxy", "px, -1 where absent"),
     },
-    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, DEAOT, SAM2, EDGETAM, SAM3),
+    tasks=(SALIENCY, DENSE_TRACKS, GIVEN_MASKS, INSIDE, DEAOT, SAM2, EDGETAM, SAM3),
     method=_method,
     choices=(
         Choice(

@@ -13,6 +13,7 @@ from moseg.workflows.stages import (
     affinity,
     appearance,
     background,
+    black_bars,
     cameras,
     carried_mask,
     clustering,
@@ -24,6 +25,7 @@ from moseg.workflows.stages import (
     dense_tracks,
     depth,
     detections,
+    filled_frame,
     flow,
     flow_model,
     flow_residual,
@@ -73,7 +75,7 @@ STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
         *(tags, detections, motion_prompts, instances, seeds),
-        *(repetitions, scene_cuts, scene_parallax),
+        *(black_bars, filled_frame, repetitions, scene_cuts, scene_parallax),
         *(flow, background, saliency, motion_network, consistency, accumulation, motion_memory, own_motion, coherence),
         *(appearance, motion_proof, video_network, foreground, components),
         *(dense_tracks, cameras, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),
