@@ -1,4 +1,4 @@
-"""Recipes of a video with black bars: what is analysed reads filled frames, and only what is in the picture is an object."""
+"""Recipes of a video with black bars: what is analysed reads filled frames, and objects are inside the picture."""
 
 import pytest
 
@@ -122,7 +122,7 @@ def test_of_what_is_painted_only_strokes_in_their_own_frame_may_lie_in_bars():
     graph = _graph(_leaves(edits=EDITS), proposal_source="saliency")
     painted = {index: graph.recipes[ref].params for index in range(5) if (ref := graph.painted(index)) is not None}
     assert painted[0]["bars"] == BARS._asdict()
-    assert painted[0]["drawn"] == [2, None] and {row for row in painted[2]["drawn"]} == {None}
+    assert painted[0]["drawn"] == [2, None] and {*painted[2]["drawn"]} == {None}
 
 
 @pytest.mark.parametrize("count", [2, 8, 100])

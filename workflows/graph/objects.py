@@ -124,7 +124,9 @@ class Objects:
     def _inside(self, proposals: str) -> str:
         """Return the reference of a section's objects without what lies in black bars; as they are without bars."""
         bars = self._leaves.bars
-        return proposals if bars is None else self._nodes.add("proposals", {"proposals": proposals}, "inside", bars=bars)
+        return (
+            proposals if bars is None else self._nodes.add("proposals", {"proposals": proposals}, "inside", bars=bars)
+        )
 
     def _propose(self, index: int) -> str:
         section = self._sections[index]

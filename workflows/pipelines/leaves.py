@@ -35,7 +35,7 @@ def ingest_sequences(
 
 
 def ingest_video(session: Session, source: SequenceSource, config: PipelineConfig) -> SequenceLeaves:
-    """Return the same of a user's video, with its black bars and the cuts between its scenes, of which each is settled."""
+    """Return the same of a user's video, with its black bars and its cuts; the rest is settled for each scene."""
     (leaves,) = _decode(session, [source], config, annotated=False)
     leaves = settle_cuts(session, settle_bars(session, leaves, config), config)
     scenes = settle_repetitions(session, leaves.scenes(), config)

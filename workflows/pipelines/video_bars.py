@@ -1,6 +1,6 @@
 """Black bars of a user's video, found before the rest of the graph is written.
 
-Only where there are any does the graph read filled frames, so that a video without bars has nothing of them in its keys.
+The graph reads filled frames where there are any, so that a video without bars has nothing of them in its keys.
 """
 
 from moseg.schemas.configs import PipelineConfig

@@ -110,7 +110,8 @@ def _prepare_frames(view: SequenceView) -> CueDrawing:
     def draw(frame: int) -> Picture:
         return encode_opaque(shrink_to(view.store.read(view.graph.leaves.frames[frame], "image"), view.shape))
 
-    return CueDrawing(draw, "The frame as analysed.")
+    filled = "The frame; for the analysis its black bars are filled with the border of the picture."
+    return CueDrawing(draw, "The frame as analysed." if view.graph.leaves.bars is None else filled)
 
 
 def _prepare_saliency(view: SequenceView, cue: FrameCue) -> CueDrawing:

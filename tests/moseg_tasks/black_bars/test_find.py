@@ -74,7 +74,7 @@ def test_a_black_sky_above_a_town_is_no_bar():
 
 
 def test_the_bars_of_a_night_scene_are_not_taken_for_more_than_they_are():
-    """A bar that borders on a black sky cannot be told from it, and nothing is cut off; at the other end it is found."""
+    """A bar beside a black sky cannot be told from it, and is left as it is; that at the other end is found."""
     night = _night()
     for image in night:
         image[:5] = 0
