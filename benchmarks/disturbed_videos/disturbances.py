@@ -1,6 +1,7 @@
 """Ways to change a video and its ground truth: place and size of what is seen, time, and the quality of pictures."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import cv2
@@ -109,6 +110,20 @@ def halve(image: np.ndarray, interpolation: int) -> np.ndarray:
     return cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=interpolation)
 
 
+def add_bars(image: np.ndarray, down: float = 0.0, across: float = 0.0) -> np.ndarray:
+    """Return the image with black bars: above and below of a share of its height, left and right of its width."""
+    height, width = image.shape[:2]
+    rows, columns = round(down * height), round(across * width)
+    barred = np.zeros_like(image)
+    barred[rows : height - rows, columns : width - columns] = image[rows : height - rows, columns : width - columns]
+    return barred
+
+
+def _bars(**shares: float) -> Disturbance:
+    change = partial(add_bars, **shares)
+    return _each(change, change)
+
+
 DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "none": ("as it is", lambda video, rng: video),
     "mirrored": ("mirrored", _each(np.fliplr, np.fliplr)),
@@ -121,6 +136,8 @@ DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "cropped": ("a still window, 75 % of each side", crop),
     "followed": ("a window that follows the objects, 60 % of each side", follow),
     "shaken": ("shaken by hand", shake),
+    "pillars": ("black bars left and right, 20 % of the width each", _bars(across=0.2)),
+    "letterbox": ("black bars above and below, 14 % of the height each", _bars(down=0.14)),
     "grey": ("without colour", _each(remove_colour, _same)),
     "noisy": ("noise of ten grey levels", add_noise),
     "compressed": ("JPEG of quality 12", _each(compress, _same)),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import moseg
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.recipes import split_ref
 from moseg.store import open_store
 from moseg.workflows.api.open_run import open_run
@@ -112,6 +113,22 @@ def test_a_run_again_computes_nothing(found, segment, film):
 
 def test_workers_give_the_same_masks(found, segment, film, tmp_path):
     assert np.array_equal(segment(film, workers=2, store=tmp_path / "store").labels, found.labels)
+
+
+def test_the_edge_of_the_bar_is_no_corner_that_stands_still(segment, film, tmp_path):
+    """Points are followed as they are in the picture without the bar, at whose edge corners stay where they are."""
+    segment(film, {"proposal_source": "tracks"}, store=tmp_path / "store")
+    opened = open_store(str(tmp_path / "store"), create=False)
+    refs = [*opened.refs("dense_tracks")]
+    assert refs
+    for ref in refs:
+        points, visible = opened.read(ref, "points"), opened.read(ref, "visible")
+        assert visible.any() and points[visible][:, 0].min() >= LEFT + PipelineConfig().dense_tracks.border
+        assert not points[~visible].any()
+        in_backdrop = points[:, :, 1] > 80
+        steps = np.diff(points[..., 0], axis=1)[visible[:, 1:] & visible[:, :-1] & in_backdrop[:, 1:]]
+        # The camera pans by a pixel a frame.
+        assert len(steps) and np.abs(steps + 1).max() < 0.5
 
 
 def test_switched_off_the_bar_is_scene(segment, film, tmp_path):

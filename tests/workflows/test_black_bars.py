@@ -79,9 +79,21 @@ def test_what_is_settled_before_the_graph_reads_filled_frames_too():
     config = PipelineConfig.model_validate(CONFIG)
     for writer, write in ((Repetitions, Repetitions.refs), (Stretches, Stretches.choices)):
         made = writer(_leaves(), config)
-        for ref in write(made):
+        refs = write(made)
+        assert refs
+        for ref in refs:
             frames = made.recipes[ref].inputs["frames"]
             assert {_task(frame) for frame in frames} == {"filled_frame"} and {*frames} <= {*made.recipes}
+
+
+def test_points_are_followed_inside_the_picture_alone():
+    config = PipelineConfig.model_validate(CONFIG)
+    stretches = Stretches(_leaves(), config)
+    choices = [stretches.recipes[ref] for ref in stretches.choices()]
+    graph = _graph(_leaves(), proposal_source="tracks")
+    tracks = [recipe for recipe in graph.recipes.values() if recipe.task == "dense_tracks"]
+    assert choices and tracks
+    assert all(recipe.params["bars"] == BARS._asdict() for recipe in (*choices, *tracks))
 
 
 @pytest.mark.parametrize("changes", CHANGES)

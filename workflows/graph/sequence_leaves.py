@@ -86,6 +86,10 @@ class SequenceLeaves(NamedTuple):
         several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
         return (*filter(None, single), *chain.from_iterable(filter(None, several)))
 
+    def inside(self) -> dict[str, BlackBars]:
+        """Return the place of what is computed from the picture inside black bars alone; empty without bars."""
+        return {} if self.bars is None else {"bars": self.bars}
+
     def scenes(self) -> tuple["SequenceLeaves", ...]:
         """Return the leaves of each scene as those of a video of its own, without edits; these leaves without cuts."""
         if not self.cuts:

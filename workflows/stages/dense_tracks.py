@@ -1,6 +1,9 @@
 """Dense tracks: points of the whole frame, followed through a window of frames."""
 
+import numpy as np
+
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DenseTrackParams
 from moseg.workflows.stages.flow import read_flow
@@ -13,31 +16,42 @@ def _run(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
 
     images, forward, backward = (inputs.all(role) for role in ("frames", "flow_forward", "flow_backward"))
-    dense_params = DenseTrackParams.of_recipe({name: params[name] for name in params if name != "runs"})
+    dense_params = DenseTrackParams.of_recipe({name: params[name] for name in params if name not in PLACE_PARAMS})
     num_frames = len(images)
+    bars = BlackBars(**params.get("bars", {}))
+    picture = bars.picture(images[0].shape("image")[:2])
     runs = params.get("runs", {"step": num_frames, "reach": num_frames})
     starts = range(0, num_frames, runs["step"])
 
     def track(start):
         run = slice(start, start + runs["reach"] + 1)
-        frames = (frame.cached("image") for frame in images[run])
+        frames = (frame.cached("image")[picture] for frame in images[run])
         to_next, to_previous = (flow[run][: len(images[run]) - 1] for flow in (forward, backward))
         flows = (
-            tuple(fill_unknown(read_flow(flow)) for flow in pair) for pair in zip(to_next, to_previous, strict=True)
+            tuple(np.ascontiguousarray(fill_unknown(read_flow(flow))[picture]) for flow in pair)
+            for pair in zip(to_next, to_previous, strict=True)
         )
         return track_densely(frames, flows, dense_params)
 
-    return Output(join_runs([track(start) for start in starts], starts, num_frames)._asdict())
+    tracks = join_runs([track(start) for start in starts], starts, num_frames)
+    tracks.points[tracks.visible] += np.float32([bars.left, bars.top])
+    return Output(tracks._asdict())
 
 
-def _params(config: PipelineConfig, step: int = 1) -> dict:
+def _params(config: PipelineConfig, step: int = 1, bars: BlackBars | None = None) -> dict:
+    """Return the parameters of tracks inside the picture, at whose edge a bar has corners that no scene moves."""
     params = config.dense_tracks.model_dump(mode="json")
+    if bars is not None:
+        params["bars"] = bars._asdict()
     reach = max(config.rigidity.gaps)
     # Of pairs that are farther apart than they reach, the frames between are not tracked.
     return params if step <= reach else {**params, "runs": {"step": step, "reach": reach}}
 
 
 LUCAS_KANADE = Task("dense_tracks", "lucas-kanade", version=2, run=_run, params=_params)
+
+PLACE_PARAMS = frozenset({"runs", "bars"})
+"""Parameters of the recipe that depend on the frames."""
 
 STAGE = Stage(
     name="dense_tracks",

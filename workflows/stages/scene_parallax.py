@@ -1,5 +1,8 @@
 """Scene parallax: the camera's motion in a stretch of video, the source of proposals that suits it, and its depth."""
 
+import numpy as np
+
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import BY_CAMERA, PipelineConfig
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
 from moseg.workflows.stages.stage import Stage
@@ -19,15 +22,18 @@ def _run(params, inputs, rng):
 
     parallax_params = SceneParallaxParams.of_recipe(params["scene_parallax"])
     frames = inputs.all("frames")
-    runs = ([frame.cached("image") for frame in frames[first : last + 1]] for first, last in params["pairs"])
-    pairs = [follow_corners(run, parallax_params) for run in runs]
-    shape = frames[0].cached("image").shape[:2]
+    shape, bars = frames[0].cached("image").shape[:2], BlackBars(**params.get("bars", {}))
+    picture, corner = bars.picture(shape), np.array([bars.left, bars.top])
+    runs = ([frame.cached("image")[picture] for frame in frames[first : last + 1]] for first, last in params["pairs"])
+    pairs = [tuple(points + corner for points in follow_corners(run, parallax_params)) for run in runs]
     evidence = measure_pairs(pairs, shape, parallax_params, RigidityParams.of_recipe(params["rigidity"]))
     return Output({}, choose_source(evidence, len(pairs), parallax_params)._asdict())
 
 
-def _params(config: PipelineConfig, pairs: list[tuple[int, int]]) -> dict:
+def _params(config: PipelineConfig, pairs: list[tuple[int, int]], bars: BlackBars | None = None) -> dict:
+    """Return the parameters of pairs of frames, whose corners lie inside the picture where there are bars."""
     return {
+        **({} if bars is None else {"bars": bars._asdict()}),
         "pairs": [list(pair) for pair in pairs],
         "scene_parallax": config.scene_parallax.model_dump(mode="json", exclude=PLACE_PARAMS),
         "rigidity": config.rigidity.model_dump(mode="json", include=CAMERA_PARAMS),

@@ -1,0 +1,59 @@
+"""Scores of a user's videos with black bars: ``python benchmarks/disturbed_videos/black_bars.py DAVIS [--sequences A,B]
+[--json FILE]``.
+
+Each sequence of DAVIS-2016 is segmented as `segment_video` does it by default: as it is, and with pillars and
+letterboxed, once with the bars left out and once with the bars as scene (``black_bars.fill``). The ground truth has no
+object in the bars. `measure.py` has the same bars, but the sequences of data sets are not searched for any.
+"""
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+
+from disturbances import DISTURBANCES
+from measure import FRAMES, TRUTHS, read_video, write_video
+
+import moseg
+
+BARS = "none", "pillars", "letterbox"
+
+
+def measure(root: Path, sequence: str, bars: str, fills: bool) -> dict[str, float]:
+    """Return J and Fu of a sequence with bars, in percent."""
+    with tempfile.TemporaryDirectory() as folder:
+        davis, masks = Path(folder, "davis"), Path(folder, "masks", sequence)
+        write_video(davis, sequence, DISTURBANCES[bars][1](read_video(root, sequence), None))
+        settings = {"black_bars.fill": fills}
+        result = moseg.segment_video(davis / FRAMES / sequence, settings, store=Path(folder, "store"), progress=False)
+        result.save(Path(folder, "out"))
+        masks.parent.mkdir()
+        Path(folder, "out", "masks").rename(masks)
+        report = moseg.score(masks.parent, "davis16", root=davis, sequences=[sequence], progress=False)
+    mean = report.rows[0].mean
+    return {"J": mean.J, "F": mean.F}
+
+
+def main() -> None:
+    """Measure and print all that is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("root", type=Path, metavar="DAVIS", help="folder of DAVIS-2016")
+    parser.add_argument("--sequences", type=lambda names: names.split(","), help="names, separated by commas")
+    parser.add_argument("--json", type=Path)
+    asked = parser.parse_args()
+    sequences = asked.sequences or sorted(path.name for path in (asked.root / TRUTHS).iterdir())
+    found = {}
+    for bars in BARS:
+        for fills in (True, False) if bars != "none" else (True,):
+            name = bars if bars == "none" else f"{bars}, {'left out' if fills else 'as scene'}"
+            scores = {sequence: measure(asked.root, sequence, bars, fills) for sequence in sequences}
+            mean = {key: sum(each[key] for each in scores.values()) / len(scores) for key in ("J", "F")}
+            found[name] = {**scores, "mean": mean}
+            figures = "  ".join(f"{sequence} {each['J']:.1f}" for sequence, each in found[name].items())
+            print(f"{name}: J {figures}; Fu {mean['F']:.1f}", flush=True)
+            if asked.json:
+                asked.json.write_text(json.dumps({"videos": found}, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
