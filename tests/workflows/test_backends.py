@@ -27,7 +27,9 @@ def test_a_parameter_takes_the_methods_that_are_listed(choice):
 def test_every_method_of_a_stage_with_a_choice_is_listed(stage):
     listed = {backend.method for choice in stage.choices for backend in choice.backends}
     # The same backend has another task where regions prompt it in place of boxes.
-    assert {task.method.removesuffix("-prompts") for task in stage.tasks} - {"given"} <= listed
+    # Black bars, not the configuration, lead to objects that another method made and that are kept inside the picture.
+    not_chosen = {"given", "inside"}
+    assert {task.method.removesuffix("-prompts") for task in stage.tasks} - not_chosen <= listed
 
 
 @pytest.mark.parametrize("stage", STAGES.values(), ids=lambda stage: stage.name)
