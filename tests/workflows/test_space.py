@@ -138,3 +138,10 @@ def test_the_space_of_a_plan_grows_with_the_frames_of_its_artifacts(tmp_path):
     many = Recipe(task="consistency", version=1, inputs={"saliency": (first.ref,) * 3})
     expected = 200 * (BYTES_PER_PIXEL["saliency"] + 3 * BYTES_PER_PIXEL["consistency"])
     assert plan_nbytes(store, {each.ref: each for each in (first, many)}) == pytest.approx(expected)
+
+
+def test_the_size_of_frames_is_known_where_all_are_filled(tmp_path):
+    store, filled = LocalStore(tmp_path), Recipe(task="filled_frame", version=1, inputs={"frame": "frame/" + "0" * 64})
+    store.put(filled, {"image": np.zeros((10, 20, 3), np.uint8)}, dims={"image": ("y", "x", "rgb")})
+    saliency = Recipe(task="saliency", version=1, inputs={"frame": filled.ref})
+    assert plan_nbytes(store, {saliency.ref: saliency}) == pytest.approx(200 * BYTES_PER_PIXEL["saliency"])

@@ -8,6 +8,7 @@ from moseg.store import ArtifactStore
 from moseg.workflows.process.amounts import size
 
 BYTES_PER_PIXEL = {
+    "filled_frame": 1.9,
     "flow": 1.2,
     "saliency": 2.0,
     "accumulation": 0.4,
