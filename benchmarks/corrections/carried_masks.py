@@ -20,8 +20,9 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.tasks.corrections.carrying import Carrier, carry_mask, flow_on_grid, outline_mask, start_carrying
 from moseg.tasks.corrections.growing import Grower, grow_object
 from moseg.tasks.flow.dis import estimate_flow
+from moseg.tasks.frame_grid import grid_shape, reduced_shape
 from moseg.tasks.half_floats import to_float32
-from moseg.tasks.saliency import choose_background, estimate_saliency, reduce_flow, working_shape
+from moseg.tasks.saliency import choose_background, estimate_saliency, reduce_flow
 
 FRAME, DISTANCES, NUM_CLICKS = 20, (1, 3, 6, 10, 15, 20), 5
 CONFIG = PipelineConfig()
@@ -71,7 +72,7 @@ def _pairs(images: list[np.ndarray], step: int) -> list[tuple[np.ndarray, np.nda
 def _carry(images, mask, forward, backward) -> dict[int, np.ndarray]:
     """Return the mask in all other frames."""
     params, size = Carrier(CONFIG.carrying, CONFIG.appearance, CONFIG.refinement), mask.shape
-    grid = working_shape(size, CONFIG.carrying.side)
+    grid = reduced_shape(size, CONFIG.carrying.side)
     start, masks = start_carrying(images[FRAME], mask, grid, params), {}
     for step, stop in ((1, len(images)), (-1, -1)):
         carried = start
@@ -87,7 +88,7 @@ def _click(images, mask, forward, backward, rng) -> list[float]:
     """Return the IoU of what grows from each of some points in a mask."""
     saliency = CONFIG.saliency
     pairs = forward[: -1 : saliency.selection_step]
-    reduced = [reduce_flow(flow, working_shape(mask.shape, saliency.working_side)) for flow in pairs]
+    reduced = [reduce_flow(flow, grid_shape(mask.shape, saliency.working_side)) for flow in pairs]
     t, background = FRAME, choose_background(reduced, saliency)
     neighbours = images[t - 1], images[t + 1], backward[t - 1], forward[t]
     seen = estimate_saliency(images[t], *neighbours, saliency, background)

@@ -105,9 +105,14 @@ def change_exposure(video: Video, rng: np.random.Generator) -> Video:
     return video._replace(frames=[*video.frames[:middle], *(darken(frame, 0.5) for frame in video.frames[middle:])])
 
 
-def halve(image: np.ndarray, interpolation: int) -> np.ndarray:
-    """Return the image at half its size."""
-    return cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=interpolation)
+def _shrink_to(side: int) -> Disturbance:
+    """Return the disturbance that reduces every frame, and every ground truth, to a longer side, px."""
+
+    def shrunk(image: np.ndarray, interpolation: int) -> np.ndarray:
+        height, width = (round(length * side / max(image.shape[:2])) for length in image.shape[:2])
+        return cv2.resize(image, (width, height), interpolation=interpolation)
+
+    return _each(lambda frame: shrunk(frame, cv2.INTER_AREA), lambda truth: shrunk(truth, cv2.INTER_NEAREST))
 
 
 def add_bars(image: np.ndarray, down: float = 0.0, across: float = 0.0) -> np.ndarray:
@@ -129,10 +134,7 @@ DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "mirrored": ("mirrored", _each(np.fliplr, np.fliplr)),
     "reversed": ("reversed in time", lambda video, rng: Video(video.frames[::-1], video.truths[::-1])),
     "every-second": ("every second frame", lambda video, rng: Video(video.frames[::2], video.truths[::2])),
-    "half-size": (
-        "at half its size",
-        _each(lambda frame: halve(frame, cv2.INTER_AREA), lambda truth: halve(truth, cv2.INTER_NEAREST)),
-    ),
+    **{f"{side}-px": (f"at {side} px", _shrink_to(side)) for side in (640, 427, 320, 240, 160)},
     "cropped": ("a still window, 75 % of each side", crop),
     "followed": ("a window that follows the objects, 60 % of each side", follow),
     "shaken": ("shaken by hand", shake),

@@ -1,7 +1,7 @@
 """Scores on disturbed videos: ``python benchmarks/disturbed_videos/measure.py DAVIS [--sequences A,B] [--workers N]
-[--disturbances NAME ...] [--json FILE]``.
+[--disturbances NAME ...] [--config FILE] [--json FILE]``.
 
-Each sequence of DAVIS-2016 is changed in several ways, with its ground truth, and segmented with the default settings.
+Each sequence of DAVIS-2016 is changed in several ways, with its ground truth, and segmented.
 What differs between a sequence and its mirror image is chance; what is lost beyond that tells what the method relies
 on.
 """
@@ -41,7 +41,9 @@ def write_video(root: Path, sequence: str, video: Video) -> None:
             cv2.imwrite(str(root / folder / sequence / f"{number:05}.{suffix}"), image, options)
 
 
-def measure(root: Path, sequences: list[str], name: str, workers: int) -> dict[str, dict[str, float]]:
+def measure(
+    root: Path, sequences: list[str], name: str, workers: int, config: Path | None
+) -> dict[str, dict[str, float]]:
     """Return J and Fu of each disturbed sequence, and their means, in percent."""
     with tempfile.TemporaryDirectory() as folder:
         disturbed = Path(folder, "davis")
@@ -50,7 +52,13 @@ def measure(root: Path, sequences: list[str], name: str, workers: int) -> dict[s
             write_video(disturbed, sequence, DISTURBANCES[name][1](read_video(root, sequence), rng))
         store = Path(folder, "store")
         report = moseg.evaluate(
-            "davis16", root=disturbed, sequences=sequences, store=store, workers=workers, progress=False
+            "davis16",
+            root=disturbed,
+            sequences=sequences,
+            config=config,
+            store=store,
+            workers=workers,
+            progress=False,
         )
     (row,) = report.rows
     scores = {sequence: {"J": each.J, "F": each.F} for sequence, each in row.sequences.items()}
@@ -64,12 +72,13 @@ def main() -> None:
     parser.add_argument("--sequences", type=lambda names: names.split(","), help="names, separated by commas")
     parser.add_argument("--disturbances", nargs="+", choices=DISTURBANCES, default=list(DISTURBANCES))
     parser.add_argument("--workers", type=int, default=0)
+    parser.add_argument("--config", type=Path, help="parameters, as of moseg eval")
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
     sequences = asked.sequences or sorted(path.name for path in (asked.root / FRAMES).iterdir())
     found = {}
     for name in asked.disturbances:
-        found[name] = measure(asked.root, sequences, name, asked.workers)
+        found[name] = measure(asked.root, sequences, name, asked.workers, asked.config)
         figures = "  ".join(f"{sequence} {each['J']:.1f}" for sequence, each in found[name].items())
         print(f"{DISTURBANCES[name][0]}: J {figures}; Fu {found[name]['mean']['F']:.1f}", flush=True)
         if asked.json:

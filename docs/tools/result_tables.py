@@ -204,6 +204,17 @@ def _network_sizes() -> Rows:
     return [("", *head), *rows]
 
 
+def _small_frames() -> Rows:
+    cells = [
+        (
+            f"{side} px",
+            *(f"{{small-frames/{when}/{side}/{score}}}" for when in ("before", "now") for score in ("J", "F")),
+        )
+        for side in (640, 427, 320, 240, 160)
+    ]
+    return [("longer side", "J, as they are", "Fu", "J, enlarged", "Fu"), *cells]
+
+
 def _parts_of_learning() -> Rows:
     texts = {
         "no-network": "`--set motion_network.use=never`",
@@ -313,6 +324,7 @@ TABLES = {
     "peers": _peers(),
     "training-curve": _training_curve(),
     "network-sizes": _network_sizes(),
+    "small-frames": _small_frames(),
     "networks-on-gpu": _networks_on_gpu(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,

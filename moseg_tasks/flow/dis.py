@@ -9,7 +9,8 @@ import numpy as np
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.check_frame import check_frame
-from moseg.tasks.flow.flow_grid import enlarge_flow
+from moseg.tasks.flow.flow_grid import resize_flow
+from moseg.tasks.frame_grid import grid_shape, resample
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -32,8 +33,8 @@ class _Effort(NamedTuple):
     refinement_iterations: int
 
 
-_MIN_REDUCED_SIDE = 256
-"""Longer side from which on a reduced effort differs from that of medium, px."""
+_MIN_REDUCED_SIDE = 128
+"""Longer side of the grid from which on a reduced effort differs from that of medium, px."""
 _REDUCED = {
     "lighter": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=0),
     "light": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=2),
@@ -41,7 +42,7 @@ _REDUCED = {
 }
 """Of medium, whose effort is 3, 25 and 5: half its time and 0.1 px apart from it at the 95th percentile (light), 0.7 of
 its time and 0.04 px apart (balanced); lighter takes two fifths of its time and is twice as far apart as light."""
-# Of a frame. On a smaller one OpenCV raises, returns NaN or crashes.
+# Of a frame whose levels OpenCV chooses. On a smaller one it raises, returns NaN or crashes.
 _MIN_SIDE = 32
 # Of the grid at which the search ends; OpenCV refuses smaller images.
 _MIN_GRID = 12
@@ -50,23 +51,25 @@ _MIN_GRID = 12
 def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow that maps each pixel of `image0` to its position in `image1`.
 
-    It is that of `search_flow`, whose parameters and errors it has, enlarged: float32 (y, x, 2), px/frame.
+    It is that of `search_flow`, whose parameters and errors it has, at the frames' size: float32 (y, x, 2), px/frame.
     """
-    return enlarge_flow(search_flow(image0, image1, params), image0.shape[:2])
+    return resize_flow(search_flow(image0, image1, params), image0.shape[:2])
 
 
 def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
-    """Estimate the flow on the grid at which the search ends: of full, half or a quarter of the frames' size.
+    """Estimate the flow on the grid at which the search ends.
 
-    Between the vectors of this grid OpenCV interpolates, as `enlarge_flow` does. Frames with a side
-    under 32 px are extended by replicating their border, and the flow is cropped; it is of full size.
+    It is of full, half or a quarter of the frames' size, but its longer side is no shorter than `search_side`: small
+    frames are enlarged, to twice their size at most. Between the vectors of a coarser grid OpenCV interpolates, as
+    `resize_flow` does. Where a side of the grid is under 12 px, frames are extended to 32 px by replicating their
+    border, and the flow is cropped; it is of full size.
 
     Parameters
     ----------
     image0, image1 : uint8 (y, x, 3)
         RGB frames of one size.
     params : FlowParams
-        `preset` is the trade of speed for accuracy.
+        `preset` is the trade of speed for accuracy, and `search_side` the longer side of the grid at least, px.
 
     Returns
     -------
@@ -87,48 +90,47 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
     if image0.shape != image1.shape:
         raise InputError("frames of a pair differ in size", got=image1.shape[:2], expected=image0.shape[:2])
     height, width = image0.shape[:2]
-    level = _FINEST[params.preset]
-    if min(height, width) < max(_MIN_SIDE, _MIN_GRID << level):
+    grid = _search_grid((height, width), params)
+    if min(grid) < _MIN_GRID:
         # OpenCV chooses the levels of such a frame by itself.
-        search = _make_search(params.preset, (height, width))
+        search = _make_search(params.preset, grid)
         flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
         return np.ascontiguousarray(flow[:height, :width])
-    reduced = [_reduced(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), level) for image in (image0, image1)]
-    grid_height, grid_width = reduced[0].shape
-    flow = _kept_search(params.preset, (height, width)).calc(*reduced, None)
-    # Not 2 ** level where a side is no multiple of that.
-    return flow * np.float32([width / grid_width, height / grid_height])
+    searched = [resample(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), grid) for image in (image0, image1)]
+    flow = _kept_search(params.preset, grid).calc(*searched, None)
+    # Not a power of two where a side is no multiple of one.
+    return flow * np.float32([width / grid[1], height / grid[0]])
+
+
+def _search_grid(size: tuple[int, int], params: FlowParams) -> tuple[int, int]:
+    """Return (height, width) of the grid at which the search between frames of a size ends."""
+    level = _FINEST[params.preset]
+    height, width = (side >> level for side in size)
+    return (height, width) if max(height, width) >= params.search_side else grid_shape(size, params.search_side)
 
 
 _KEPT = local()
-"""Search of each thread for frames of one size: its maps are allocated once."""
+"""Search of each thread for grids of one size: its maps are allocated once."""
 
 
-def _kept_search(preset: str, size: tuple[int, int]) -> cv2.DISOpticalFlow:
-    """Return this thread's search that ends on the grid of the images which it is given, made anew for another size."""
-    if getattr(_KEPT, "place", None) != (preset, size):
-        _KEPT.search, _KEPT.place = _make_search(preset, size), (preset, size)
+def _kept_search(preset: str, grid: tuple[int, int]) -> cv2.DISOpticalFlow:
+    """Return this thread's search that ends on the grid of the images which it is given, made anew for another one."""
+    if getattr(_KEPT, "place", None) != (preset, grid):
+        _KEPT.search, _KEPT.place = _make_search(preset, grid), (preset, grid)
         _KEPT.search.setFinestScale(0)
     return _KEPT.search
 
 
-def _make_search(preset: str, size: tuple[int, int]) -> cv2.DISOpticalFlow:
-    """Return a search for frames of a size (height, width)."""
+def _make_search(preset: str, grid: tuple[int, int]) -> cv2.DISOpticalFlow:
+    """Return a search that ends on a grid (height, width)."""
     search = cv2.DISOpticalFlow_create(_PRESETS[preset])
-    # Small frames have too few patches to leave any out, and take little time.
+    # Small grids have too few patches to leave any out, and take little time.
     effort = _REDUCED.get(preset)
-    if effort is not None and max(size) >= _MIN_REDUCED_SIDE:
+    if effort is not None and max(grid) >= _MIN_REDUCED_SIDE:
         search.setPatchStride(effort.patch_stride)
         search.setGradientDescentIterations(effort.descent_iterations)
         search.setVariationalRefinementIterations(effort.refinement_iterations)
     return search
-
-
-def _reduced(gray: np.ndarray, level: int) -> np.ndarray:
-    """Return a grey image at a level of the pyramid, as DIS reduces it."""
-    height, width = gray.shape
-    size = (width >> level, height >> level)
-    return cv2.resize(gray, size, interpolation=cv2.INTER_AREA) if level else gray
 
 
 def _searchable_gray(image: np.ndarray) -> np.ndarray:

@@ -1,19 +1,19 @@
-"""Flow on a coarser grid than its frames: that of the resolution at which its search ends."""
+"""Flow on another grid than its frames': that at which its search ends."""
 
 import cv2
 import numpy as np
 
 SIZE = "frame_size"
-"""Attribute of a stored flow on a coarser grid than its frames: their height and width, px."""
+"""Attribute of a stored flow on another grid than its frames': their height and width, px."""
 
 
 def full_flow(flow: np.ndarray, attributes: dict) -> np.ndarray:
     """Return a stored flow at its frames' size, float32 (y, x, 2), px/frame, from its array and attributes."""
-    return enlarge_flow(flow, tuple(attributes[SIZE])) if SIZE in attributes else flow
+    return resize_flow(flow, tuple(attributes[SIZE])) if SIZE in attributes else flow
 
 
-def enlarge_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Interpolate a flow between the vectors of its grid, bilinear.
+def resize_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Interpolate a flow between the vectors of its grid, bilinear, or average those of a grid finer than the frames.
 
     Parameters
     ----------
@@ -30,4 +30,5 @@ def enlarge_flow(flow: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     height, width = shape
     if flow.shape[:2] == (height, width):
         return flow
-    return cv2.resize(flow, (width, height), interpolation=cv2.INTER_LINEAR)
+    is_finer = flow.shape[0] * flow.shape[1] > height * width
+    return cv2.resize(flow, (width, height), interpolation=cv2.INTER_AREA if is_finer else cv2.INTER_LINEAR)

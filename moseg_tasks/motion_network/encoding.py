@@ -8,9 +8,10 @@ import numpy as np
 import poselib
 
 from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.frame_grid import reduced_shape
 from moseg.tasks.half_floats import to_float16
 from moseg.tasks.saliency.background import AffineMotion, affine_flow, fit_background, sample_flow
-from moseg.tasks.saliency.grid import vector_length, warp, working_shape
+from moseg.tasks.saliency.grid import vector_length, warp
 from moseg.tasks.saliency.photometric import colour_error
 
 GRID_SIDE = 213
@@ -80,7 +81,7 @@ def encode_motion(
     channels : float16 (len(CHANNELS), grid y, grid x)
         In -8..8; zeros without any neighbour.
     """
-    shape = working_shape(image.shape[:2], GRID_SIDE)
+    shape = reduced_shape(image.shape[:2], GRID_SIDE)
     encoded, noises = [], []
     for neighbour, sign in ((previous, -1.0), (next, 1.0)):
         if neighbour is not None:

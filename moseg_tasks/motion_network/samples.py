@@ -7,8 +7,8 @@ import numpy as np
 
 from moseg.schemas.parameters import FlowParams, SaliencyParams
 from moseg.tasks.flow.dis import estimate_flow
+from moseg.tasks.frame_grid import reduced_shape
 from moseg.tasks.motion_network.encoding import GRID_SIDE, Neighbour, encode_motion
-from moseg.tasks.saliency.grid import working_shape
 from moseg.tasks.saliency.layers import fit_layers
 from moseg.tasks.training_scenes import TrainingScene, draw_scene
 
@@ -53,7 +53,7 @@ def draw_sample(seed: int, index: int, shape: tuple[int, int], textures: np.ndar
     """
     rng = np.random.default_rng([seed, index])
     preset = "fine" if rng.random() < 0.3 else "medium"
-    return encode_scene(draw_scene(rng, shape, textures), FlowParams(preset=preset), SaliencyParams())
+    return encode_scene(draw_scene(rng, shape, textures), FlowParams(preset=preset, search_side=16), SaliencyParams())
 
 
 def encode_scene(scene: TrainingScene, flow: FlowParams, saliency: SaliencyParams) -> Sample:
@@ -65,7 +65,7 @@ def encode_scene(scene: TrainingScene, flow: FlowParams, saliency: SaliencyParam
         residual = there - fit_layers(there, saliency).flow
         neighbours.append(Neighbour(frame.astype(np.float32), there, estimate_flow(frame, middle, flow), residual))
     channels = encode_motion(middle.astype(np.float32), *neighbours, saliency)
-    grid = working_shape(middle.shape[:2], GRID_SIDE)
+    grid = reduced_shape(middle.shape[:2], GRID_SIDE)
     label, weight = (
         cv2.resize(image, grid[::-1], interpolation=cv2.INTER_AREA) for image in (scene.label, scene.weight)
     )

@@ -6,11 +6,12 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
+from moseg.tasks.frame_grid import grid_shape
 from moseg.tasks.half_floats import to_float16
 from moseg.tasks.saliency.background import AffineMotion
 from moseg.tasks.saliency.camera import fit_camera_motion
 from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
-from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length, working_shape
+from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length
 from moseg.tasks.saliency.layers import Background, fit_layers
 from moseg.tasks.saliency.photometric import blur_error, colour_error, photometric_gate
 from moseg.tasks.saliency.rigid import explain_rigidly
@@ -77,11 +78,11 @@ def estimate_saliency(
     Raises
     ------
     InputError
-        A neighbour's size is not the frame's, a flow's grid is finer than the frame or not of its proportions, or only
-        one of a neighbour and its flow is given.
+        A neighbour's size is not the frame's, a flow's grid has not the proportions of the frame, or only one of a
+        neighbour and its flow is given.
     """
     size = size or frame.shape[:2]
-    shape = working_shape(size, params.working_side)
+    shape = grid_shape(size, params.working_side)
     flows, residual_flows = np.zeros((2, 2, *shape, 2), np.float16)
     reduced = reduce_frame(frame, shape)
     backgrounds: list[Background] = []
@@ -130,6 +131,6 @@ def _is_given(frame: np.ndarray, other: np.ndarray | None, flow: np.ndarray | No
 
 
 def _is_grid_of(size: tuple[int, int], flow: np.ndarray) -> bool:
-    """Check whether a flow is on the grid of frames of a size or on that of a level of their pyramid."""
+    """Check whether a flow is on a grid with the proportions of frames of a size, up to the rounding of its sides."""
     height, width = size
-    return any(flow.shape == (height >> level, width >> level, 2) for level in range(height.bit_length()))
+    return flow.shape[2:] == (2,) and abs(flow.shape[0] * width - flow.shape[1] * height) < max(size)

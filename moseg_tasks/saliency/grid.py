@@ -1,29 +1,16 @@
-"""The working grid: the frame reduced by area to a fixed longer side."""
+"""The working grid of a frame, and images and flow on it."""
 
 from functools import lru_cache
 
 import cv2
 import numpy as np
 
-
-def working_shape(shape: tuple[int, int], working_side: int) -> tuple[int, int]:
-    """Return height and width of a frame's working grid: longer side `working_side`, never enlarged."""
-    height, width = shape
-    scale = min(1.0, working_side / max(height, width))
-    return max(1, round(height * scale)), max(1, round(width * scale))
+from moseg.tasks.frame_grid import resample
 
 
 def reduce_frame(frame: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Average `frame` uint8 (y, x, 3) over the cells of a grid of `shape`, float32 grey levels."""
-    return reduce_levels(frame, shape).astype(np.float32)
-
-
-def reduce_levels(frame: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Average `frame` uint8 (y, x, 3) over the cells of a grid of `shape`, uint8; `frame` itself if it has it."""
-    height, width = shape
-    if frame.shape[:2] == (height, width):
-        return frame
-    return cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)
+    """Return `frame` uint8 (y, x, 3) on a grid of `shape`, float32 grey levels."""
+    return resample(frame, shape).astype(np.float32)
 
 
 def reduce_flow(flow: np.ndarray, shape: tuple[int, int], frame_shape: tuple[int, int] | None = None) -> np.ndarray:

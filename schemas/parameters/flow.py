@@ -6,6 +6,7 @@ from pydantic import Field
 
 from moseg.schemas.choices import ChoiceOf
 from moseg.schemas.frozen import Frozen
+from moseg.schemas.units import Unit
 
 
 class FlowParams(Frozen):
@@ -18,4 +19,10 @@ class FlowParams(Frozen):
         "balanced",
         description="DIS preset; fine is medium at full resolution, balanced is medium with fewer iterations, light"
         " also with fewer patches, lighter without variational refinement too (dis only)",
+    )
+    search_side: Annotated[int, Unit.PIXELS] = Field(
+        427,
+        ge=16,
+        description="longer side of the grid at which the search ends, px, where the preset's is shorter; small frames"
+        " are enlarged for it, to twice their size at most (dis only)",
     )

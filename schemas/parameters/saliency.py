@@ -12,11 +12,13 @@ from moseg.schemas.units import Unit
 class SaliencyParams(Frozen):
     """Per-frame motion saliency: residual to the motion of the background, of up to two layers or a rigid scene.
 
-    All lengths in px and px/frame below refer to the working grid, the frame reduced to `working_side`.
+    All lengths in px and px/frame below refer to the working grid, the frame reduced or enlarged to `working_side`.
     """
 
     working_side: Annotated[int, Unit.PIXELS] = Field(
-        427, ge=32, description="longer side of the working grid, px; smaller frames are not enlarged"
+        427,
+        ge=32,
+        description="longer side of the working grid, px; small frames are enlarged to it, to twice their size at most",
     )
 
     ransac_step: Annotated[int, Unit.PIXELS] = Field(

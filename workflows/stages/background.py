@@ -22,14 +22,15 @@ RESIDUAL_PARAMS = frozenset(
 
 def _run(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
-    from moseg.tasks.saliency import choose_background, reduce_flow, working_shape
+    from moseg.tasks.frame_grid import grid_shape
+    from moseg.tasks.saliency import choose_background, reduce_flow
 
     saliency_params = SaliencyParams.of_recipe(params)
     # Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
     reduced = []
     for pair in inputs.all("flows"):
         shape = frame_shape(pair)
-        grid = working_shape(shape, saliency_params.working_side)
+        grid = grid_shape(shape, saliency_params.working_side)
         reduced.append(reduce_flow(fill_unknown(pair.cached("flow")), grid, shape))
     return Output({}, choose_background(reduced, saliency_params)._asdict())
 
@@ -38,7 +39,7 @@ def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=RESIDUAL_PARAMS | PAIRS_PARAMS)
 
 
-MODEL_SELECTION = Task("background", "model-selection", version=3, run=_run, params=_params)
+MODEL_SELECTION = Task("background", "model-selection", version=4, run=_run, params=_params)
 
 STAGE = Stage(
     name="background",

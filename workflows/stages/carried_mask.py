@@ -46,10 +46,10 @@ def _run_continued(params, inputs, rng):
 def _carry_both_ways(params, inputs, mask: np.ndarray) -> Output:
     """Return a mask of one frame in all frames of the section; in its own it is as it was made."""
     from moseg.tasks.corrections.carrying import start_carrying
-    from moseg.tasks.saliency.grid import working_shape
+    from moseg.tasks.frame_grid import reduced_shape
 
     frames, own = inputs.all("frames"), params["frame"]
-    grid = working_shape(mask.shape, params["carrying"]["side"])
+    grid = reduced_shape(mask.shape, params["carrying"]["side"])
     start = start_carrying(frames[own].cached("image"), mask, grid, _carrier(params))
     masks, ends = _blank(inputs, grid)
     masks[own] = mask

@@ -11,11 +11,12 @@ from moseg.workflows.stages.task import Output, Task
 
 def _run(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
-    from moseg.tasks.saliency import BackgroundChoice, estimate_saliency, working_shape
+    from moseg.tasks.frame_grid import grid_shape
+    from moseg.tasks.saliency import BackgroundChoice, estimate_saliency
 
     saliency = SaliencyParams.of_recipe(params)
     height, width, _ = inputs["frame"].shape("image")
-    grid = working_shape((height, width), saliency.working_side)
+    grid = grid_shape((height, width), saliency.working_side)
 
     def image(role):
         return reduced_levels(inputs[role], grid) if role in inputs else None
@@ -60,7 +61,7 @@ def _repeated_params(config: PipelineConfig, previous: bool, next: bool) -> dict
 
 
 BACKGROUND_RESIDUAL = Task(
-    "saliency", "background-residual", version=6, run=_run, params=_params, is_cheap=True, is_cue=True
+    "saliency", "background-residual", version=7, run=_run, params=_params, is_cheap=True, is_cue=True
 )
 REPEATED = Task(
     "saliency", "repeated", version=1, run=_run_repeated, params=_repeated_params, is_cheap=True, is_cue=True

@@ -35,7 +35,7 @@ def test_the_flow_is_that_of_opencv_whatever_grid_it_is_searched_on(preset, shap
     expected = search.calc(*(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) for image in (image0, image1)), None)
     # OpenCV multiplies by powers of two also where a side is not a multiple of one.
     expected *= np.float32([side / ((side >> level) << level) for side in reversed(shape)])
-    params = FlowParams(preset=preset)
+    params = FlowParams(preset=preset, search_side=16)
     np.testing.assert_allclose(estimate_flow(image0, image1, params), expected, atol=1e-4)
     assert search_flow(image0, image1, params).shape == (shape[0] >> level, shape[1] >> level, 2)
 
@@ -49,6 +49,40 @@ def test_a_translation_is_recovered(preset):
     inner = flow[16:-16, 16:-16].reshape(-1, 2)
     np.testing.assert_allclose(np.median(inner, axis=0), [3.0, -2.0], atol=0.2)
     assert np.mean(np.abs(inner - [3.0, -2.0]).max(axis=1) < 0.5) > 0.95
+
+
+@pytest.mark.parametrize(
+    ("preset", "side", "grid"),
+    [
+        ("fast", 16, (30, 40)),
+        ("fast", 41, (31, 41)),
+        ("medium", 80, (60, 80)),
+        ("medium", 100, (75, 100)),
+        ("medium", 150, (112, 150)),
+        ("fine", 200, (150, 200)),
+        ("balanced", 427, (240, 320)),
+    ],
+)
+def test_a_search_ends_on_a_grid_of_the_side_asked_for_but_of_twice_the_frame_at_most(preset, side, grid):
+    canvas = texture((140, 180))
+    image0, image1 = canvas[10:130, 10:170], canvas[12:132, 7:167]
+    flow = search_flow(image0, image1, FlowParams(preset=preset, search_side=side))
+    assert flow.shape == (*grid, 2)
+    # In pixels of the frames, whatever the grid.
+    np.testing.assert_allclose(np.median(flow, axis=(0, 1)), [3.0, -2.0], atol=0.2)
+    assert estimate_flow(image0, image1, FlowParams(preset=preset, search_side=side)).shape == (120, 160, 2)
+
+
+def test_an_enlarged_search_finds_what_is_too_small_for_that_of_the_frames():
+    backdrop, small = texture((100, 140)), texture((12, 12), 1)
+    frames = [np.roll(backdrop, (0, step), axis=(0, 1)).copy() for step in (0, 2)]
+    for number, frame in enumerate(frames):
+        frame[44:56, 60 - 2 * number : 72 - 2 * number] = small
+    own, enlarged = (
+        np.abs(estimate_flow(*frames, FlowParams(search_side=side))[46:54, 62:70] - (-2.0, 0.0)).mean()
+        for side in (16, 280)
+    )
+    assert enlarged < own / 2
 
 
 @pytest.mark.parametrize("preset", ["ultrafast", "medium"])

@@ -3,7 +3,7 @@ import pytest
 
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import affine_flow, fit_background, sample_flow
-from moseg.tasks.saliency.grid import pixel_grid, reduce_flow, working_shape
+from moseg.tasks.saliency.grid import pixel_grid, reduce_flow
 from moseg.tasks.saliency.layers import fit_layers, typical_residual
 
 PARAMS = SaliencyParams()
@@ -101,14 +101,6 @@ def test_an_object_inside_the_frame_never_becomes_a_layer():
 def test_the_second_layer_can_be_refused():
     refused = fit_layers(two_layers(), PARAMS.model_copy(update={"layer_border": 1.0}))
     assert refused.residual[150:].min() > 3
-
-
-@pytest.mark.parametrize(
-    ("frame", "grid"),
-    [((480, 854), (240, 427)), ((720, 1280), (240, 427)), ((100, 200), (100, 200)), ((1, 4000), (1, 427))],
-)
-def test_the_working_grid_has_its_longer_side_and_is_never_an_enlargement(frame, grid):
-    assert working_shape(frame, 427) == grid
 
 
 def test_reduced_flow_is_in_pixels_of_the_reduced_grid():

@@ -6,10 +6,11 @@ from hypothesis import strategies as st
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.saliency import BackgroundChoice, estimate_saliency, reduce_levels, working_shape
+from moseg.tasks.frame_grid import grid_shape, resample
+from moseg.tasks.saliency import BackgroundChoice, estimate_saliency
 
-PARAMS = SaliencyParams()
 SHAPE = (96, 160)
+PARAMS = SaliencyParams(working_side=max(SHAPE))
 BACKGROUND = np.array([2.0, 1.0], np.float32)
 OBJECT = (slice(36, 64), slice(60, 100))
 
@@ -40,13 +41,14 @@ def test_a_square_that_moves_against_an_affine_background_is_salient():
     assert saliency[outside].max() < 0.05
 
 
-def test_frames_on_the_working_grid_give_what_the_frames_give():
-    params = SaliencyParams(working_side=80)
+@pytest.mark.parametrize("side", [80, 240])
+def test_frames_on_the_working_grid_give_what_the_frames_give(side):
+    params = SaliencyParams(working_side=side)
     flow = uniform_flow((3.0, 0.0))
-    reduced = [reduce_levels(image, working_shape(SHAPE, 80)) for image in (FRAME, OTHER)]
+    resampled = [resample(image, grid_shape(SHAPE, side)) for image in (FRAME, OTHER)]
     given = estimate_saliency(FRAME, None, OTHER, None, flow, params)
-    found = estimate_saliency(reduced[0], None, reduced[1], None, flow, params, size=SHAPE)
-    assert given.saliency.shape == (48, 80) and given.saliency.max() > 0.9
+    found = estimate_saliency(resampled[0], None, resampled[1], None, flow, params, size=SHAPE)
+    assert given.saliency.shape == (side * 3 // 5, side) and given.saliency.max() > 0.9
     for name in ("saliency", "strict_saliency", "flows", "residual_flows"):
         assert np.array_equal(getattr(given, name), getattr(found, name))
 
@@ -165,13 +167,13 @@ def test_tiny_frames_of_any_content_give_saliency_in_range(height, width, seed):
     frame, other = rng.integers(0, 256, (2, height, width, 3), np.uint8)
     flow = rng.normal(0, 3, (height, width, 2)).astype(np.float32)
     saliency = estimate_saliency(frame, other, None, flow, None, PARAMS).saliency
-    assert saliency.shape == (height, width) and (saliency >= 0).all() and (saliency <= 1).all()
+    assert saliency.shape == (2 * height, 2 * width) and (saliency >= 0).all() and (saliency <= 1).all()
 
 
 def test_a_large_frame_is_worked_on_at_the_working_size():
     big = np.repeat(np.repeat(FRAME, 4, axis=0), 4, axis=1)
     flow = np.ones((*big.shape[:2], 2), np.float32)
-    result = estimate_saliency(big, None, big, None, flow, PARAMS)
+    result = estimate_saliency(big, None, big, None, flow, SaliencyParams())
     assert result.saliency.shape == (256, 427) and result.flows.shape == (2, 256, 427, 2)
     np.testing.assert_allclose(result.flows[1, ..., 0], 427 / 640, rtol=2**-11)
 
