@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "0ef4c92124f02cd0",
-    "oc-depth": "ea869461a31886d1",
-    "oc": "ccfca2bb56ef0734",
-    "trajs": "894118345b2b8585",
-    "base": "66ac051ecd8db5c1",
-    "flow": "8d766826a081e108",
-    "tracks": "9b186ee51fa26e3e",
+    "fused": "ed6e324e82c37d57",
+    "oc-depth": "c674fd7103a937e7",
+    "oc": "4dd71e43811ccf7c",
+    "trajs": "f66090ae647039fd",
+    "base": "b66181401d13fec2",
+    "flow": "61179d2876494c21",
+    "tracks": "6ce0e716e3fadcc1",
 }
 
 
