@@ -34,7 +34,7 @@ def _has_one_line(ran):
 def test_a_full_disk_is_one_line_before_anything_is_computed(segment, tmp_path, free):
     free(1000)
     ran = segment()
-    assert _has_one_line(ran) and "1000 B free" in ran.err and "about 3.3 MiB" in ran.err
+    assert _has_one_line(ran) and "1000 B free" in ran.err and "about 6.6 MiB" in ran.err
     assert list(open_store(str(tmp_path / "store")).refs()) == []
     assert not list((tmp_path / "out").rglob("*.*"))
 
@@ -131,12 +131,16 @@ def video_file():
     return write
 
 
+ON_GRID = 20 * 40
+"""Pixels of the working grid of frames of 10 x 20 px, which are enlarged to it."""
+
+
 def test_the_space_of_a_plan_grows_with_the_frames_of_its_artifacts(tmp_path):
     store, frame = LocalStore(tmp_path), leaf_recipe("frame", "0" * 64)
     store.put(frame, {"image": np.zeros((10, 20, 3), np.uint8)}, dims={"image": ("y", "x", "rgb")})
     first = Recipe(task="saliency", version=1, inputs={"frame": frame.ref})
     many = Recipe(task="consistency", version=1, inputs={"saliency": (first.ref,) * 3})
-    expected = 200 * (BYTES_PER_PIXEL["saliency"] + 3 * BYTES_PER_PIXEL["consistency"])
+    expected = ON_GRID * (BYTES_PER_PIXEL["saliency"] + 3 * BYTES_PER_PIXEL["consistency"])
     assert plan_nbytes(store, {each.ref: each for each in (first, many)}) == pytest.approx(expected)
 
 
@@ -144,4 +148,4 @@ def test_the_size_of_frames_is_known_where_all_are_filled(tmp_path):
     store, filled = LocalStore(tmp_path), Recipe(task="filled_frame", version=1, inputs={"frame": "frame/" + "0" * 64})
     store.put(filled, {"image": np.zeros((10, 20, 3), np.uint8)}, dims={"image": ("y", "x", "rgb")})
     saliency = Recipe(task="saliency", version=1, inputs={"frame": filled.ref})
-    assert plan_nbytes(store, {saliency.ref: saliency}) == pytest.approx(200 * BYTES_PER_PIXEL["saliency"])
+    assert plan_nbytes(store, {saliency.ref: saliency}) == pytest.approx(ON_GRID * BYTES_PER_PIXEL["saliency"])

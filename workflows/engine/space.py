@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 
 from moseg.schemas.errors import InputError, MissingArtifactError
+from moseg.schemas.parameters import SaliencyParams
 from moseg.schemas.recipes import Recipe
 from moseg.store import ArtifactStore
 from moseg.workflows.process.amounts import size
@@ -21,11 +22,11 @@ BYTES_PER_PIXEL = {
     "motion_network": 0.08,
     "depth": 3.0,
 }
-"""Bytes of one artifact, for each pixel of each of its frames; those of other tasks are small.
+"""Bytes of one artifact, for each pixel of each of its frames, or of their grid; those of other tasks are small.
 
 Measured on DAVIS at 480p with the default pipeline, like the following."""
 WHOLE = 9.5
-"""Bytes of all artifacts of a video, for each pixel of each frame, while it is analysed."""
+"""Bytes of all artifacts of a video, for each pixel of each frame or of its grid, while it is analysed."""
 PER_FRAME, PER_VIDEO = 30_000, 2_000_000
 """Bytes of manifests and of artifacts without pixels."""
 WORTH_A_LINE = 2**30
@@ -34,7 +35,7 @@ WORTH_A_LINE = 2**30
 
 def video_nbytes(num_frames: int, shape: tuple[int, int]) -> float:
     """Return about how many bytes the artifacts of a video take while it is analysed; `shape` is (y, x), px."""
-    return PER_VIDEO + num_frames * (PER_FRAME + WHOLE * shape[0] * shape[1])
+    return PER_VIDEO + num_frames * (PER_FRAME + WHOLE * _analysed_pixels(shape))
 
 
 def plan_nbytes(store: ArtifactStore, compute: Mapping[str, Recipe]) -> float:
@@ -60,8 +61,16 @@ def _num_frames(recipe: Recipe) -> int:
     return max((len(value) for value in recipe.inputs.values() if not isinstance(value, str)), default=1)
 
 
+def _analysed_pixels(shape: tuple[int, int]) -> int:
+    """Return the pixels of a frame of `shape`, or of the default working grid where a small frame is enlarged to it."""
+    from moseg.tasks.frame_grid import grid_shape
+
+    grid = grid_shape(shape, SaliencyParams().working_side)
+    return max(shape[0] * shape[1], grid[0] * grid[1])
+
+
 def _num_pixels(store: ArtifactStore, recipes: Iterable[Recipe]) -> int:
-    """Return the pixels of a frame that the recipes read; 0 if none of them reads a stored one."""
+    """Return the analysed pixels of a frame that the recipes read; 0 if none of them reads a stored one."""
     for recipe in recipes:
         for ref in recipe.input_refs():
             if ref.startswith(("frame/", "filled_frame/")):
@@ -69,5 +78,5 @@ def _num_pixels(store: ArtifactStore, recipes: Iterable[Recipe]) -> int:
                     height, width, _ = store.manifest(ref).array("image").shape
                 except MissingArtifactError:
                     return 0
-                return height * width
+                return _analysed_pixels((height, width))
     return 0
