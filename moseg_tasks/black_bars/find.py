@@ -7,9 +7,8 @@ import numpy as np
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.parameters import BlackBarParams
 
-_NEAR_EDGE = (
-    2  # px: lines of the picture beside a bar, of which the first may be mixed with it where frames are reduced
-)
+_NEAR_EDGE = 2
+"""Lines of the picture beside a bar, of which the first may be mixed with it where frames are reduced."""
 
 
 def find_bars(images: Iterable[np.ndarray], params: BlackBarParams) -> BlackBars:
