@@ -17,12 +17,12 @@ import numpy as np
 from PIL import Image
 
 from moseg.schemas.configs import PipelineConfig
-from moseg.tasks.corrections.carrying import Carrier, carry_mask, flow_on_grid, outline_mask, start_carrying
+from moseg.tasks.corrections.carrying import Carrier, carry_mask, outline_mask, start_carrying
 from moseg.tasks.corrections.growing import Grower, grow_object
 from moseg.tasks.flow.dis import estimate_flow
-from moseg.tasks.frame_grid import grid_shape, reduced_shape
+from moseg.tasks.frame_grid import flow_on_grid, grid_shape, reduced_shape
 from moseg.tasks.half_floats import to_float32
-from moseg.tasks.saliency import choose_background, estimate_saliency, reduce_flow
+from moseg.tasks.saliency import choose_background, estimate_saliency
 
 FRAME, DISTANCES, NUM_CLICKS = 20, (1, 3, 6, 10, 15, 20), 5
 CONFIG = PipelineConfig()
@@ -78,7 +78,7 @@ def _carry(images, mask, forward, backward) -> dict[int, np.ndarray]:
         carried = start
         for t in range(FRAME + step, stop, step):
             back, forth = (backward[t - 1], forward[t - 1]) if step == 1 else (forward[t], backward[t])
-            flows = (flow_on_grid(flow, size, grid) for flow in (back, forth))
+            flows = (flow_on_grid(flow, grid, size) for flow in (back, forth))
             carried = carry_mask(carried, images[t], *flows, params)
             masks[t] = outline_mask(carried, images[t], params.refinement)
     return masks
@@ -88,7 +88,7 @@ def _click(images, mask, forward, backward, rng) -> list[float]:
     """Return the IoU of what grows from each of some points in a mask."""
     saliency = CONFIG.saliency
     pairs = forward[: -1 : saliency.selection_step]
-    reduced = [reduce_flow(flow, grid_shape(mask.shape, saliency.working_side)) for flow in pairs]
+    reduced = [flow_on_grid(flow, grid_shape(mask.shape, saliency.working_side)) for flow in pairs]
     t, background = FRAME, choose_background(reduced, saliency)
     neighbours = images[t - 1], images[t + 1], backward[t - 1], forward[t]
     seen = estimate_saliency(images[t], *neighbours, saliency, background)

@@ -13,8 +13,9 @@ import numpy as np
 from moseg.schemas.parameters import AppearanceParams, CarryingParams, RefinementParams
 from moseg.tasks.appearance import ColourCount, colour_bins, colour_ratio
 from moseg.tasks.corrections.own_motion import strays_from_mask
+from moseg.tasks.frame_grid import frame_on_grid
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
-from moseg.tasks.saliency.grid import pixel_grid, reduce_frame, squared_length
+from moseg.tasks.saliency.grid import pixel_grid, squared_length
 
 _MARGIN = 4  # cells around a mask that are processed, in addition to the filter's two windows
 _SURE = 0.02  # share of a cell, from 0 or from 1, up to which colours do not decide
@@ -69,7 +70,7 @@ def start_carrying(image: np.ndarray, mask: np.ndarray, grid: tuple[int, int], p
     share = cv2.resize(mask.astype(np.float32), grid[::-1], interpolation=cv2.INTER_AREA)
     side = 2 * params.carrying.surroundings + 1
     near = cv2.dilate((share > 0).astype(np.uint8), np.ones((side, side), np.uint8)) > 0
-    bins, inside = _bins(reduce_frame(image, grid), params)[near], share[near].astype(np.float64)
+    bins, inside = _bins(frame_on_grid(image, grid), params)[near], share[near].astype(np.float64)
     size = params.appearance.levels**3
     counts = np.bincount(bins, inside, size), np.bincount(bins, 1 - inside, size)
     ratio = colour_ratio(ColourCount(*counts, 0.0, float(inside.sum())), params.appearance)
@@ -113,7 +114,7 @@ def carry_mask(
     total = float(share.sum())
     if total <= 0 or float((consistency * share).sum()) < params.carrying.min_consistency * total:
         return nothing
-    reduced = reduce_frame(image, grid)[window]
+    reduced = frame_on_grid(image, grid)[window]
     share = consistency * share + (1 - consistency) * _spread(_guide(reduced), share, consistency, params.refinement)
     evidence = np.float32(params.carrying.colour) * carried.ratio[_bins(reduced, params)]
     evidence += strays_from_mask(flow, share, _SURE, params.carrying)
@@ -142,32 +143,10 @@ def outline_mask(carried: CarriedMask, image: np.ndarray, params: RefinementPara
     if part.size == 0:
         return mask
     near = np.ascontiguousarray(carried.share[window])
-    guide = _guide(reduce_frame(part, near.shape))
+    guide = _guide(frame_on_grid(part, near.shape))
     coefficients = guided_coefficients(guide, near, params.radius, params.smoothness)
     mask[full] = apply_coefficients(_guide(part.astype(np.float32)), *coefficients) > 0.5
     return mask
-
-
-def flow_on_grid(flow: np.ndarray, frame_size: tuple[int, int], grid: tuple[int, int]) -> np.ndarray:
-    """Return a stored flow on the grid of a mask.
-
-    Parameters
-    ----------
-    flow : float32 (y, x, 2)
-        px/frame of the frames, on any grid.
-    frame_size : (height, width)
-        Of the frames, px.
-    grid : (h, w)
-
-    Returns
-    -------
-    float32 (h, w, 2)
-        px of `grid` per frame.
-    """
-    if flow.shape[:2] != grid:
-        is_larger = flow.shape[0] > grid[0]
-        flow = cv2.resize(flow, grid[::-1], interpolation=cv2.INTER_AREA if is_larger else cv2.INTER_LINEAR)
-    return cv2.multiply(flow, (grid[1] / frame_size[1], grid[0] / frame_size[0], 0, 0))
 
 
 def _guide(image: np.ndarray) -> np.ndarray:

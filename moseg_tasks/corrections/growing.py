@@ -8,8 +8,9 @@ from scipy import ndimage
 
 from moseg.schemas.parameters import AppearanceParams, GrowingParams, RefinementParams
 from moseg.tasks.appearance import ColourCount, colour_bins, colour_ratio
+from moseg.tasks.frame_grid import frame_on_grid
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
-from moseg.tasks.saliency.grid import reduce_frame, squared_length, vector_length
+from moseg.tasks.saliency.grid import squared_length, vector_length
 
 _NUM_LEVELS = 16
 _SURE = 0.02
@@ -55,7 +56,7 @@ def grow_object(
         It covers the points in any case, and what is connected to them.
     """
     grid = saliency.shape
-    reduced = reduce_frame(image, grid)
+    reduced = frame_on_grid(image, grid)
     inside, outside = (_cells(each, image.shape[:2], grid) for each in (points, not_points))
     region = np.zeros(grid, bool)
     velocity = cv2.GaussianBlur((residual_flows[1] - residual_flows[0]) / 2, (0, 0), 1)
@@ -179,7 +180,7 @@ def _around(region: np.ndarray, inside: list[tuple[int, int]]) -> np.ndarray:
 
 def _enlarge(region: np.ndarray, image: np.ndarray, params: RefinementParams) -> np.ndarray:
     """Return the region at the size of its frame, along the frame's edges."""
-    guide = reduce_frame(image, region.shape) * np.float32(1 / 255)
+    guide = frame_on_grid(image, region.shape) * np.float32(1 / 255)
     coefficients = guided_coefficients(guide, region.astype(np.float32), params.radius, params.smoothness)
     soft = apply_coefficients(image.astype(np.float32) * np.float32(1 / 255), *coefficients)
     near = cv2.resize(

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from moseg.tasks.saliency.grid import reduce_flow, warp
+from moseg.tasks.frame_grid import flow_on_grid
+from moseg.tasks.saliency.grid import warp
 
 
 def carry_logits(logits: Sequence[np.ndarray], flows: Sequence[np.ndarray]) -> np.ndarray:
@@ -23,5 +24,5 @@ def carry_logits(logits: Sequence[np.ndarray], flows: Sequence[np.ndarray]) -> n
     logit : float32 (grid y, grid x)
         Mean of what is carried.
     """
-    carried = [warp(logit, reduce_flow(flow, logit.shape)) for logit, flow in zip(logits, flows, strict=True)]
+    carried = [warp(logit, flow_on_grid(flow, logit.shape)) for logit, flow in zip(logits, flows, strict=True)]
     return carried[0] if len(carried) == 1 else cv2.addWeighted(carried[0], 0.5, carried[1], 0.5, 0.0)

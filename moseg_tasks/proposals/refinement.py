@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import RefinementParams
+from moseg.tasks.frame_grid import frame_on_grid
 from moseg.tasks.proposals.components import FOREGROUND
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
-from moseg.tasks.saliency.grid import reduce_frame
 
 _MARGIN = 4  # cells around the objects that are processed, in addition to the filter's two windows
 
@@ -46,7 +46,7 @@ def refine_outlines(
     near = labels[window]
     # Foreground of no object, such as a dropped component, must not leak into an object.
     kept = np.where((near > 0) | (foreground[window] <= FOREGROUND), foreground[window], 0).astype(np.float32)
-    guide = reduce_frame(part, near.shape) * np.float32(1 / 255)
+    guide = frame_on_grid(part, near.shape) * np.float32(1 / 255)
     slope, offset = guided_coefficients(guide, kept, params.radius, params.smoothness)
     soft = apply_coefficients(part.astype(np.float32) * np.float32(1 / 255), slope, offset)
     nearest = cv2.resize(_grow(near), part.shape[1::-1], interpolation=cv2.INTER_NEAREST)

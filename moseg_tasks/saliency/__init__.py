@@ -6,7 +6,6 @@ from moseg.tasks.saliency.choice import BackgroundChoice, choose_background
 from moseg.tasks.saliency.consistency import flow_consistency
 from moseg.tasks.saliency.foreground import foreground_probability
 from moseg.tasks.saliency.frame import FrameSaliency, estimate_saliency
-from moseg.tasks.saliency.grid import reduce_flow, reduce_frame
 from moseg.tasks.saliency.logits import motion_logit, probability
 from moseg.tasks.saliency.motion_memory import motion_odds, remembered_logit
 from moseg.tasks.saliency.moves_now import moves_now
@@ -27,7 +26,5 @@ __all__ = [
     "moves_now",
     "own_motion_misfit",
     "probability",
-    "reduce_flow",
-    "reduce_frame",
     "remembered_logit",
 ]

@@ -6,12 +6,12 @@ import numpy as np
 
 from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import SaliencyParams
-from moseg.tasks.frame_grid import grid_shape
+from moseg.tasks.frame_grid import flow_on_grid, frame_on_grid, grid_shape
 from moseg.tasks.half_floats import to_float16
 from moseg.tasks.saliency.background import AffineMotion
 from moseg.tasks.saliency.camera import fit_camera_motion
 from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
-from moseg.tasks.saliency.grid import reduce_flow, reduce_frame, vector_length
+from moseg.tasks.saliency.grid import vector_length
 from moseg.tasks.saliency.layers import Background, fit_layers
 from moseg.tasks.saliency.photometric import blur_error, colour_error, photometric_gate
 from moseg.tasks.saliency.rigid import explain_rigidly
@@ -69,7 +69,7 @@ def estimate_saliency(
     choice : BackgroundChoice, optional
         The background's model; layers without it.
     size : (height, width), optional
-        Of the frames before they were reduced to the working grid, px; by default that of `frame`.
+        Of the frames themselves, where those given are on the working grid, px; by default that of `frame`.
 
     Returns
     -------
@@ -84,19 +84,19 @@ def estimate_saliency(
     size = size or frame.shape[:2]
     shape = grid_shape(size, params.working_side)
     flows, residual_flows = np.zeros((2, 2, *shape, 2), np.float16)
-    reduced = reduce_frame(frame, shape)
+    resampled = frame_on_grid(frame, shape)
     backgrounds: list[Background] = []
     first_layers: list[AffineMotion | None] = [None, None]
     errors = []
     for direction, (other, flow) in enumerate(((previous, flow_previous), (next, flow_next))):
         if not _is_given(frame, other, flow, size):
             continue
-        observed = reduce_flow(flow, shape, size)
+        observed = flow_on_grid(flow, shape, size)
         background = _explain(observed, params, choice)
         flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
         first_layers[direction] = background.first_layer
         backgrounds.append(background)
-        errors.append(colour_error(reduced, reduce_frame(other, shape), background.flow))
+        errors.append(colour_error(resampled, frame_on_grid(other, shape), background.flow))
     if not backgrounds:
         return FrameSaliency(*np.zeros((2, *shape), np.float16), flows, residual_flows, (None, None))
     residual = np.minimum.reduce([background.residual for background in backgrounds])

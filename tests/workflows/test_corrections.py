@@ -112,6 +112,9 @@ def test_each_edit_does_what_it_says(labels):
     first, second = plain == 1, plain == 2
     assert first.any() and second.any()
     late = np.arange(len(plain))[:, None, None] >= 5
+    larger, smaller = (each.mean(axis=(1, 2)).max() for each in (first, second))
+    between = float(larger + smaller) / 2
+    assert smaller < between < larger
     cases = [
         ([{"drop": 1}], np.where(second, 2, 0)),
         ([{"static": 2}], np.where(first, 1, 0)),
@@ -124,7 +127,7 @@ def test_each_edit_does_what_it_says(labels):
         ([{"split": {"object": 2, "frame": 5, "into": 9}}, {"merge": [1, 9]}], np.where(second & late, 1, plain)),
         ([{"rename": {"object": 1, "name": "left"}}], plain),
         ({"settings": {"clustering.motions": 1}}, np.zeros_like(plain)),
-        ({"settings": {"moving_objects.min_area": 0.054}}, np.where(first, 1, 0)),
+        ({"settings": {"moving_objects.min_area": between}}, np.where(first, 1, 0)),
         ({"settings": {"moving_objects.min_area": 0.5}}, np.zeros_like(plain)),
         ({"settings": {"clustering.motions": 1}, "edits": [{"keep": 2}]}, np.where(second, 2, 0)),
     ]

@@ -86,14 +86,14 @@ def _cut(store: "ArtifactStore", graph: SequenceGraph, config: PipelineConfig, p
 
 def read_cued_frames(store: "ArtifactStore", graph: SequenceGraph, frames: Sequence[int]) -> "list[CuedFrame]":
     """Return frames with the cues of their saliency."""
+    from moseg.tasks.frame_grid import frame_on_grid
     from moseg.tasks.half_floats import to_float32
     from moseg.tasks.network_training.clips import CuedFrame
-    from moseg.tasks.saliency import reduce_frame
 
     found = []
     for frame in frames:
         ref = graph.frame_cues.saliency(frame)
         flows, residuals = (to_float32(store.read(ref, name)) for name in ("flows", "residual_flows"))
-        image = reduce_frame(store.read(graph.leaves.frames[frame], "image"), flows.shape[1:3])
+        image = frame_on_grid(store.read(graph.leaves.frames[frame], "image"), flows.shape[1:3])
         found.append(CuedFrame(image, flows, residuals))
     return found

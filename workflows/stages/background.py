@@ -22,8 +22,8 @@ RESIDUAL_PARAMS = frozenset(
 
 def _run(params, inputs, rng):
     from moseg.tasks.flow.fill_unknown import fill_unknown
-    from moseg.tasks.frame_grid import grid_shape
-    from moseg.tasks.saliency import choose_background, reduce_flow
+    from moseg.tasks.frame_grid import flow_on_grid, grid_shape
+    from moseg.tasks.saliency import choose_background
 
     saliency_params = SaliencyParams.of_recipe(params)
     # Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
@@ -31,7 +31,7 @@ def _run(params, inputs, rng):
     for pair in inputs.all("flows"):
         shape = frame_shape(pair)
         grid = grid_shape(shape, saliency_params.working_side)
-        reduced.append(reduce_flow(fill_unknown(pair.cached("flow")), grid, shape))
+        reduced.append(flow_on_grid(fill_unknown(pair.cached("flow")), grid, shape))
     return Output({}, choose_background(reduced, saliency_params)._asdict())
 
 

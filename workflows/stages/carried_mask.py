@@ -74,8 +74,8 @@ def _carry(params, inputs, start, order: range, origin: int, masks: np.ndarray) 
 
 def _flows(inputs, order: range, origin: int, grid: tuple[int, int]) -> Iterator[tuple]:
     """Yield readers of the flow of each frame to the one before it in a pass, and of the reverse."""
-    from moseg.tasks.corrections.carrying import flow_on_grid
     from moseg.tasks.flow.fill_unknown import fill_unknown
+    from moseg.tasks.frame_grid import flow_on_grid
 
     size = inputs.all("frames")[0].shape("image")[:2]
     forward, backward = inputs.all("flow_forward"), inputs.all("flow_backward")
@@ -83,7 +83,7 @@ def _flows(inputs, order: range, origin: int, grid: tuple[int, int]) -> Iterator
     shift = len(forward) - len(inputs.all("frames"))
 
     def reader(view):
-        return lambda: flow_on_grid(fill_unknown(view.cached("flow")), size, grid)
+        return lambda: flow_on_grid(fill_unknown(view.cached("flow")), grid, size)
 
     for frame in order:
         pair = frame + shift if origin == 0 else frame
@@ -136,9 +136,9 @@ def _continued_params(config: PipelineConfig, origin: str) -> dict:
     return {"from": origin, **_read(config)}
 
 
-STROKES = Task("carried_mask", "strokes", version=1, run=_run_strokes, params=_stroke_params)
-GROWN = Task("carried_mask", "grown", version=1, run=_run_grown, params=_grown_params)
-CONTINUED = Task("carried_mask", "continued", version=1, run=_run_continued, params=_continued_params)
+STROKES = Task("carried_mask", "strokes", version=2, run=_run_strokes, params=_stroke_params)
+GROWN = Task("carried_mask", "grown", version=2, run=_run_grown, params=_grown_params)
+CONTINUED = Task("carried_mask", "continued", version=2, run=_run_continued, params=_continued_params)
 
 STAGE = Stage(
     name="carried_mask",

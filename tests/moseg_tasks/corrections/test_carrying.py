@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import AppearanceParams, CarryingParams, RefinementParams
-from moseg.tasks.corrections.carrying import Carrier, carry_mask, flow_on_grid, outline_mask, start_carrying
+from moseg.tasks.corrections.carrying import Carrier, carry_mask, outline_mask, start_carrying
+from moseg.tasks.frame_grid import flow_on_grid
 
 SHAPE, RADIUS = (96, 160), 16
 PARAMS = Carrier(CarryingParams(), AppearanceParams(), RefinementParams())
@@ -106,16 +107,10 @@ def test_an_outline_follows_the_edges_at_full_size(render, iou):
     scene = render(num_frames=2)
     grid = (SHAPE[0] // 2, SHAPE[1] // 2)
     carried = start_carrying(scene.frames[0], scene.discs[0], grid, PARAMS)
-    flows = (flow_on_grid(flow[0], SHAPE, grid) for flow in (scene.backward, scene.forward))
+    flows = (flow_on_grid(flow[0], grid, SHAPE) for flow in (scene.backward, scene.forward))
     carried = carry_mask(carried, scene.frames[1], *flows, PARAMS)
     assert carried.share.shape == grid
     assert iou(outline_mask(carried, scene.frames[1], PARAMS.refinement), scene.discs[1]) > 0.85
-
-
-def test_flow_on_another_grid_is_in_px_of_that_grid():
-    flow = np.full((48, 80, 2), (8, 4), np.float32)
-    np.testing.assert_allclose(flow_on_grid(flow, (96, 160), (24, 40)), np.full((24, 40, 2), (2, 1)))
-    np.testing.assert_allclose(flow_on_grid(flow, (96, 160), (96, 160)), np.full((96, 160, 2), (8, 4)))
 
 
 def test_carrying_draws_no_random_numbers_and_changes_no_input(render):
@@ -131,8 +126,3 @@ def test_a_disc_that_leaps_farther_than_it_is_wide_is_followed(render, iou):
     scene = render(num_frames=3, speed=(40, 3))
     for mask, disc in zip(carry(scene, scene.discs[0]), scene.discs[1:], strict=True):
         assert iou(mask, disc) > 0.6
-
-
-def test_flow_on_a_grid_of_another_shape_is_in_px_of_both_its_axes():
-    flow = np.full((48, 80, 2), (8, 4), np.float32)
-    np.testing.assert_allclose(flow_on_grid(flow, (96, 160), (24, 80)), np.full((24, 80, 2), (4, 1)))

@@ -19,6 +19,7 @@ from moseg.schemas.parameters import (
 )
 from moseg.tasks.appearance import colour_bins, colour_ratio, count_colours, pool_sections
 from moseg.tasks.flow import estimate_flow
+from moseg.tasks.frame_grid import frame_on_grid
 from moseg.tasks.proposals import keep_best, label_components, refine_outlines
 from moseg.tasks.saliency import (
     accumulate,
@@ -29,7 +30,6 @@ from moseg.tasks.saliency import (
     motion_logit,
     own_motion_misfit,
     probability,
-    reduce_frame,
 )
 
 SHARED = Path(os.environ.get("MOSEG_TEST_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -64,7 +64,7 @@ def propose(images: list[np.ndarray]) -> np.ndarray:
     misfits = [find_misfit(frames, maps, t)[..., None] for t in range(NUM_FRAMES)]
     weights = [ACCUMULATION.memory] * NUM_FRAMES
     misfits = mean_of_passes(flows, (misfits, misfits), (weights, weights))[..., 0]
-    bins = [colour_bins(reduce_frame(image, misfits.shape[1:]).astype(np.uint8), APPEARANCE) for image in images]
+    bins = [colour_bins(frame_on_grid(image, misfits.shape[1:]).astype(np.uint8), APPEARANCE) for image in images]
     counts = [
         count_colours(bins[t], maps[t, ..., 0], maps[t, ..., 2], misfits[t], APPEARANCE, FOREGROUND)
         for t in range(NUM_FRAMES)

@@ -3,7 +3,7 @@ import pytest
 
 from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.background import affine_flow, fit_background, sample_flow
-from moseg.tasks.saliency.grid import pixel_grid, reduce_flow
+from moseg.tasks.saliency.grid import pixel_grid
 from moseg.tasks.saliency.layers import fit_layers, typical_residual
 
 PARAMS = SaliencyParams()
@@ -101,17 +101,6 @@ def test_an_object_inside_the_frame_never_becomes_a_layer():
 def test_the_second_layer_can_be_refused():
     refused = fit_layers(two_layers(), PARAMS.model_copy(update={"layer_border": 1.0}))
     assert refused.residual[150:].min() > 3
-
-
-def test_reduced_flow_is_in_pixels_of_the_reduced_grid():
-    flow = np.full((90, 160, 2), (8.0, -3.0), np.float32)
-    np.testing.assert_allclose(reduce_flow(flow, (30, 40)), np.full((30, 40, 2), (2.0, -1.0)), atol=1e-6)
-
-
-@pytest.mark.parametrize("grid", [(45, 80), (30, 40), (22, 40), (11, 20)])
-def test_flow_on_the_grid_of_its_search_is_reduced_as_if_it_were_enlarged_first(grid):
-    flow = np.full((*grid, 2), (8.0, -3.0), np.float32)
-    np.testing.assert_allclose(reduce_flow(flow, (30, 40), (90, 160)), np.full((30, 40, 2), (2.0, -1.0)), atol=1e-6)
 
 
 def test_a_wall_along_one_side_becomes_a_second_layer():
