@@ -19,6 +19,10 @@ STEPS = {0: (-1, 0), 1: (3, 0), 2: (-1, 3)}
 """How the backdrop and the two squares move, px/frame."""
 
 
+OF_FRAMES = FlowParams(search_side=128)
+"""Of a search that ends on the grid of the frames, which is that of given flow."""
+
+
 @pytest.fixture(scope="module")
 def frames(squares):
     return squares / "squares" / "frames"
@@ -30,8 +34,8 @@ def estimated(frames):
     images = [np.asarray(Image.open(path)) for path in sorted(frames.iterdir())]
     pairs = list(pairwise(images))
     return {
-        FORWARD: np.stack([estimate_flow(image0, image1, FlowParams()) for image0, image1 in pairs]),
-        BACKWARD: np.stack([estimate_flow(image1, image0, FlowParams()) for image0, image1 in pairs]),
+        FORWARD: np.stack([estimate_flow(image0, image1, OF_FRAMES) for image0, image1 in pairs]),
+        BACKWARD: np.stack([estimate_flow(image1, image0, OF_FRAMES) for image0, image1 in pairs]),
     }
 
 
@@ -127,7 +131,7 @@ def _stages(folder):
 
 @pytest.mark.parametrize("save", [_save_npy, _save_flo])
 def test_flow_from_files_gives_the_result_of_the_same_estimated_flow(segment, flow_folder, tmp_path, save):
-    expected, _ = segment(store="estimated")
+    expected, _ = segment("--set", f"flow.search_side={OF_FRAMES.search_side}", store="estimated")
     found, _ = segment("--flow", f"folder:{flow_folder(FORWARD, BACKWARD, save=save)}")
     assert expected.any()
     np.testing.assert_array_equal(found, expected)

@@ -85,6 +85,8 @@ def declare(cluster):
             await dask_worker.set_resources(GPU=num_gpus)
             return os.getpid()
 
+        # On a busy machine a worker may be on its way back to the scheduler.
+        cluster.wait_for_workers(2, timeout=60)
         first = min(cluster.scheduler_info()["workers"])
         return cluster.run(set_resources, workers=[first])[first]
 
