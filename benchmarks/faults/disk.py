@@ -4,7 +4,8 @@ Run ``python benchmarks/faults/disk.py [--cases full inodes …] [--root DIR]``;
 
 - ``full``, ``inodes``: on a file system that fills up during a run the command ends with one line, which names the
   store and contains "No space left on device", and exit code 1. Committed artifacts are complete, and with more room
-  the same command computes the rest and nothing else.
+  the same command computes the rest and nothing else. A disk with less than the run is estimated to take is refused
+  in one line, exit code 2, and nothing is computed on it.
 - ``file-size``: the same under a limit on the size of files (RLIMIT_FSIZE), for which nothing is mounted.
 - ``output``: a full disk under the output of a command is one line, exit code 2; no part of a file stays.
 - ``read-only``, ``forbidden``: in a place that cannot be written (a read-only mount, folders of another user), stored
