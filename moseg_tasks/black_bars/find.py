@@ -15,8 +15,8 @@ def find_bars(images: Iterable[np.ndarray], params: BlackBarParams) -> BlackBars
     """Find the black bars of a video.
 
     A row or column of a bar is dark in every frame. A dark part of the scene, such as the sky at night, may be so too,
-    but it ends where something bright happens to be: at the edge of a bar, nearly all of the picture's line is brighter
-    at once.
+    but it ends where something bright happens to be: at the edge of a bar, most of the picture's line is brighter at
+    once.
 
     Parameters
     ----------

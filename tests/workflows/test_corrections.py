@@ -112,9 +112,7 @@ def test_each_edit_does_what_it_says(labels):
     first, second = plain == 1, plain == 2
     assert first.any() and second.any()
     late = np.arange(len(plain))[:, None, None] >= 5
-    larger, smaller = (each.mean(axis=(1, 2)).max() for each in (first, second))
-    between = float(larger + smaller) / 2
-    assert smaller < between < larger
+    between = float(np.mean([each.mean(axis=(1, 2)).max() for each in (first, second)]))
     cases = [
         ([{"drop": 1}], np.where(second, 2, 0)),
         ([{"static": 2}], np.where(first, 1, 0)),
