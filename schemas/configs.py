@@ -63,6 +63,7 @@ from moseg.schemas.parameters import (
     SamHqParams,
     SceneCutParams,
     SceneParallaxParams,
+    ScreenGraphicsParams,
     SeaRaftParams,
     SeedParams,
     TrackFieldParams,
@@ -178,6 +179,7 @@ class PipelineConfig(Frozen):
     rigidity: RigidityParams = RigidityParams()
     repetitions: RepetitionParams = RepetitionParams()
     black_bars: BlackBarParams = BlackBarParams()
+    screen_graphics: ScreenGraphicsParams = ScreenGraphicsParams()
     scene_cuts: SceneCutParams = SceneCutParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
     refinement: RefinementParams = RefinementParams()

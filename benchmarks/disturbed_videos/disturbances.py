@@ -129,6 +129,25 @@ def _bars(**shares: float) -> Disturbance:
     return _each(change, change)
 
 
+def add_graphics(video: Video, rng: np.random.Generator) -> Video:
+    """Draw a logo that lets a quarter of the scene shine through, and a clock that runs, into every frame."""
+    return video._replace(frames=[_drawn(frame, index) for index, frame in enumerate(video.frames)])
+
+
+def _drawn(frame: np.ndarray, index: int) -> np.ndarray:
+    height, width = frame.shape[:2]
+    scale = width / 854
+    left, right = (width - round(margin * scale) for margin in (110, 20))
+    logo = cv2.rectangle(frame.copy(), (left, round(20 * scale)), (right, round(60 * scale)), (30, 30, 200), -1)
+    white, face = (255, 255, 255), cv2.FONT_HERSHEY_SIMPLEX
+    cv2.putText(logo, "TV 5", (left + round(8 * scale), round(50 * scale)), face, scale, white, 2, cv2.LINE_AA)
+    drawn = cv2.addWeighted(logo, 0.75, frame, 0.25, 0)
+    time, corner = f"2026-11-26 16:33:{index // 25:02}", (round(20 * scale), height - round(20 * scale))
+    for colour, thickness in (((0, 0, 0), 4), (white, 2)):
+        cv2.putText(drawn, time, corner, face, 0.8 * scale, colour, thickness, cv2.LINE_AA)
+    return drawn
+
+
 DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "none": ("as it is", lambda video, rng: video),
     "mirrored": ("mirrored", _each(np.fliplr, np.fliplr)),
@@ -140,6 +159,7 @@ DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "shaken": ("shaken by hand", shake),
     "pillars": ("black bars left and right, 20 % of the width each", _bars(across=0.2)),
     "letterbox": ("black bars above and below, 14 % of the height each", _bars(down=0.14)),
+    "graphics": ("a logo and a running clock", add_graphics),
     "grey": ("without colour", _each(remove_colour, _same)),
     "noisy": ("noise of ten grey levels", add_noise),
     "compressed": ("JPEG of quality 12", _each(compress, _same)),

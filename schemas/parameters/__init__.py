@@ -49,6 +49,7 @@ from moseg.schemas.parameters.sam3 import Sam3Params
 from moseg.schemas.parameters.sam_hq import SamHqParams
 from moseg.schemas.parameters.scene_cuts import SceneCutParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
+from moseg.schemas.parameters.screen_graphics import ScreenGraphicsParams
 from moseg.schemas.parameters.sea_raft import SeaRaftParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
 from moseg.schemas.parameters.track_objects import (
@@ -140,6 +141,7 @@ __all__ = [
     "SamHqParams",
     "SceneCutParams",
     "SceneParallaxParams",
+    "ScreenGraphicsParams",
     "SeaRaftParams",
     "SeedParams",
     "SeparationParams",

@@ -64,12 +64,12 @@ def _task(ref):
 
 @pytest.mark.parametrize("cuts", [(), (CUT,)])
 @pytest.mark.parametrize("changes", CHANGES)
-def test_with_bars_only_the_filling_and_the_search_for_bars_read_the_frames_themselves(changes, cuts):
+def test_with_bars_only_the_filling_and_the_search_for_what_is_filled_read_the_frames_themselves(changes, cuts):
     graph = _graph(_leaves(cuts=cuts, edits=EDITS), **changes)
     readers = {
         recipe.task for recipe in graph.recipes.values() if any(_task(ref) == "frame" for ref in recipe.input_refs())
     }
-    assert readers == {"filled_frame", "black_bars"}
+    assert readers == {"filled_frame", "black_bars", "screen_graphics"}
     filled = [recipe for recipe in graph.recipes.values() if recipe.task == "filled_frame"]
     assert [recipe.inputs["frame"] for recipe in filled] == list(graph.leaves.frames)
     assert all(recipe.params["bars"] == BARS._asdict() for recipe in filled)

@@ -59,10 +59,12 @@ class Nodes:
 
     @cached_property
     def frames(self) -> tuple[str, ...]:
-        """References of the frames that are analysed: those of the leaves, filled where these have black bars."""
-        if self.leaves.bars is None:
+        """References of the frames that are analysed: those of the leaves, filled where these do not show the scene."""
+        hidden = self.leaves.hidden()
+        if not hidden:
             return self.leaves.frames
-        return tuple(self.add("filled_frame", {"frame": frame}, bars=self.leaves.bars) for frame in self.leaves.frames)
+        method = "nearest-scene" if "graphics" in hidden else "border-replicated"
+        return tuple(self.add("filled_frame", {"frame": frame}, method, **hidden) for frame in self.leaves.frames)
 
     def add(self, stage: str, inputs: Inputs, method: str | None = None, **place) -> str:
         """Write the recipe of a stage and return its reference.

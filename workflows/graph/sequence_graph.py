@@ -20,6 +20,7 @@ from moseg.workflows.graph.nodes import Nodes
 from moseg.workflows.graph.objects import Objects
 from moseg.workflows.graph.painted_sections import PaintedSections
 from moseg.workflows.graph.scene_cuts import SceneCuts, scene_cuts
+from moseg.workflows.graph.screen_graphics import screen_graphics
 from moseg.workflows.graph.sections import cut_sections, place_frame
 from moseg.workflows.graph.sequence_leaves import SequenceLeaves
 
@@ -187,6 +188,10 @@ class SequenceGraph:
     def black_bars(self) -> str:
         """Return the reference of the black bars of the sequence."""
         return black_bars(self._first_nodes)
+
+    def screen_graphics(self) -> str:
+        """Return the reference of the graphics that were drawn into the frames of the sequence."""
+        return screen_graphics(self._first_nodes)
 
     def scene_cuts(self) -> tuple[SceneCuts, ...]:
         """Return the cuts of each stretch of the sequence."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.corrections import Edit
 from moseg.schemas.recipes import Ref
+from moseg.schemas.screen_graphics import ScreenGraphics
 from moseg.schemas.stretch_choice import StretchChoice
 
 GIVEN_SOURCES = ("groundtruth", "folder")
@@ -45,6 +46,8 @@ class SequenceLeaves(NamedTuple):
         The weights of the configuration's networks, by the name of their item; a leaf may be found when it is read.
     bars : BlackBars or None
         Black bars that are left out of the analysis, px of the analysed frames; None without any.
+    graphics : ScreenGraphics or None
+        Graphics that are left out of the analysis; None without any.
     repetitions : tuple of int
         Frames that repeat the one before them, beside those that were decoded to the same.
     choices : tuple of StretchChoice
@@ -74,6 +77,7 @@ class SequenceLeaves(NamedTuple):
     motion_weights: Ref | None = None
     weights: Mapping[str, Ref] = {}
     bars: BlackBars | None = None
+    graphics: ScreenGraphics | None = None
     repetitions: tuple[int, ...] = ()
     choices: tuple[StretchChoice, ...] = ()
     cuts: tuple[int, ...] = ()
@@ -86,9 +90,10 @@ class SequenceLeaves(NamedTuple):
         several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
         return (*filter(None, single), *chain.from_iterable(filter(None, several)))
 
-    def inside(self) -> dict[str, BlackBars]:
-        """Return the place of what is computed from the picture inside black bars alone; empty without bars."""
-        return {} if self.bars is None else {"bars": self.bars}
+    def hidden(self) -> dict[str, BlackBars | ScreenGraphics]:
+        """Return the place of what is computed from the scene alone: the bars and graphics that hide some of it."""
+        hiding = {"bars": self.bars, "graphics": self.graphics}
+        return {name: value for name, value in hiding.items() if value is not None}
 
     def scenes(self) -> tuple["SequenceLeaves", ...]:
         """Return the leaves of each scene as those of a video of its own, without edits; these leaves without cuts."""

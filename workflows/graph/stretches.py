@@ -92,4 +92,4 @@ class Stretches:
         row_of = {place: row for row, place in enumerate(read)}
         rows = [(row_of[first], row_of[last]) for first, last in pairs]
         frames = tuple(self._frames[shown[place]] for place in read)
-        return self._nodes.add("scene_parallax", {"frames": frames}, pairs=rows, **self._nodes.leaves.inside())
+        return self._nodes.add("scene_parallax", {"frames": frames}, pairs=rows, **self._nodes.leaves.hidden())

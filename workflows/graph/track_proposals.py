@@ -45,7 +45,7 @@ class TrackProposals:
             "flow_forward": tuple(self._cues.flow(frame0, frame1) for frame0, frame1 in pairs),
             "flow_backward": tuple(self._cues.flow(frame1, frame0) for frame0, frame1 in pairs),
         }
-        return self._nodes.add("dense_tracks", inputs, step=step, **self._leaves.inside())
+        return self._nodes.add("dense_tracks", inputs, step=step, **self._leaves.hidden())
 
     @cached_method
     def cameras(self, index: int) -> str:

@@ -10,9 +10,9 @@ from moseg.workflows.engine.ingest import IngestJob
 from moseg.workflows.engine.session import Session
 from moseg.workflows.engine.space import video_nbytes
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
+from moseg.workflows.pipelines.hidden_scene import settle_hidden
 from moseg.workflows.pipelines.repeated_frames import settle_repetitions
 from moseg.workflows.pipelines.source_choices import settle_choices
-from moseg.workflows.pipelines.video_bars import settle_bars
 from moseg.workflows.pipelines.video_scenes import settle_cuts
 from moseg.workflows.sources import MotionWeights, SceneFrames, working_size
 from moseg.workflows.stages.motion_network import uses_motion_network
@@ -35,9 +35,9 @@ def ingest_sequences(
 
 
 def ingest_video(session: Session, source: SequenceSource, config: PipelineConfig) -> SequenceLeaves:
-    """Return the same of a user's video, with its black bars and its cuts; the rest is settled for each scene."""
+    """Return the same of a user's video, with what hides its scene and its cuts; the rest is settled for each scene."""
     (leaves,) = _decode(session, [source], config, annotated=False)
-    leaves = settle_cuts(session, settle_bars(session, leaves, config), config)
+    leaves = settle_cuts(session, settle_hidden(session, leaves, config), config)
     scenes = settle_repetitions(session, leaves.scenes(), config)
     return leaves.joined(settle_choices(session, scenes, config))
 

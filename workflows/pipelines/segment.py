@@ -15,9 +15,11 @@ from moseg.workflows.engine.session import Session
 from moseg.workflows.exports.black_bars import describe_bars
 from moseg.workflows.exports.doubts import BY_HAND, Advice, advise
 from moseg.workflows.exports.scene_cuts import describe_cuts
+from moseg.workflows.exports.screen_graphics import describe_graphics
 from moseg.workflows.graph import SequenceGraph, make_graph
 from moseg.workflows.graph.black_bars import read_bars
 from moseg.workflows.graph.scene_cuts import SceneCuts, read_cuts
+from moseg.workflows.graph.screen_graphics import read_graphics
 from moseg.workflows.pipelines.leaves import ingest_video
 from moseg.workflows.pipelines.placed_edits import NO_EDITS, PlacedEdits, check_edits, with_edits
 from moseg.workflows.pipelines.purpose import SEGMENTATION, Purpose, make_subject
@@ -50,10 +52,10 @@ class StoredSegmentation(NamedTuple):
         before the user's edits.
     frame_refs, label_refs : tuple of references
         The frames, and the labels of every section.
-    bars_ref : reference
-        The black bars of the frames.
-    are_bars_left_out : bool
-        Whether bars were filled for the analysis, and nothing was found in them.
+    bars_ref, graphics_ref : reference
+        The black bars of the frames, and the graphics drawn into them.
+    are_bars_left_out, are_graphics_left_out : bool
+        Whether they were filled for the analysis.
     evidence : Evidence
         What the motion groups come from, about each of `rows`.
     choices : tuple of StretchChoice
@@ -86,6 +88,8 @@ class StoredSegmentation(NamedTuple):
     label_refs: tuple[str, ...]
     bars_ref: str
     are_bars_left_out: bool
+    graphics_ref: str
+    are_graphics_left_out: bool
     evidence: Evidence
     choices: tuple[StretchChoice, ...] = ()
     moves_refs: tuple[str | None, ...] = ()
@@ -115,9 +119,11 @@ class StoredSegmentation(NamedTuple):
     def about_picture(self, store: ArtifactStore) -> tuple[str, ...]:
         """Return what is worth a look in the frames themselves, whatever was found in them, in words."""
         bars = read_bars(store.attributes(self.bars_ref))
+        graphics = read_graphics(store.attributes(self.graphics_ref))
         cuts = read_cuts(self.cuts, [store.attributes(each.ref) for each in self.cuts])
         about_bars = describe_bars(bars, self.analysed_shape, self.shape, self.are_bars_left_out)
-        return (*about_bars, *describe_cuts(cuts, self.apart))
+        about_graphics = describe_graphics(graphics, self.analysed_shape, self.shape, self.are_graphics_left_out)
+        return (*about_bars, *about_graphics, *describe_cuts(cuts, self.apart))
 
     def frame_labels(self, store: ArtifactStore, frame: int, shape: tuple[int, int] | None = None) -> np.ndarray:
         """Return labels uint16 (y, x) of one frame, counted from 0, at `shape` (the video's own size)."""
@@ -215,7 +221,7 @@ def sinks_of(graph: SequenceGraph, config: PipelineConfig, variant: Variant) -> 
     """Return the references that a `StoredSegmentation` reads: labels, then what is known about them."""
     clustering = graph.clustering(variant)
     beside = (*graph.moves_now(variant), *graph.confidences(variant))
-    about_picture = (graph.black_bars(), *(cuts.ref for cuts in graph.scene_cuts()))
+    about_picture = (graph.black_bars(), graph.screen_graphics(), *(cuts.ref for cuts in graph.scene_cuts()))
     sinks = (*graph.segmentations(variant), *filter(None, beside), *about_picture)
     if clustering is None:
         return sinks
@@ -240,6 +246,8 @@ def read_stored(
         label_refs=graph.segmentations(variant),
         bars_ref=graph.black_bars(),
         are_bars_left_out=graph.leaves.bars is not None,
+        graphics_ref=graph.screen_graphics(),
+        are_graphics_left_out=graph.leaves.graphics is not None,
         evidence=Evidence(scene_evidence(graph, config, variant), scene_rows(store, graph)),
         choices=graph.leaves.choices,
         moves_refs=graph.moves_now(variant),

@@ -6,6 +6,7 @@ from moseg.schemas.arrays import layout
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DenseTrackParams
+from moseg.schemas.screen_graphics import ScreenGraphics
 from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -14,12 +15,14 @@ from moseg.workflows.stages.task import Output, Task
 def _run(params, inputs, rng):
     from moseg.tasks.dense_tracks import join_runs, track_densely
     from moseg.tasks.flow.fill_unknown import fill_unknown
+    from moseg.tasks.screen_graphics import end_hidden, graphics_mask
 
     images, forward, backward = (inputs.all(role) for role in ("frames", "flow_forward", "flow_backward"))
     dense_params = DenseTrackParams.of_recipe({name: params[name] for name in params if name not in PLACE_PARAMS})
     num_frames = len(images)
     bars = BlackBars(**params.get("bars", {}))
-    picture = bars.picture(images[0].shape("image")[:2])
+    shape = images[0].shape("image")[:2]
+    picture = bars.picture(shape)
     runs = params.get("runs", {"step": num_frames, "reach": num_frames})
     starts = range(0, num_frames, runs["step"])
 
@@ -35,14 +38,21 @@ def _run(params, inputs, rng):
 
     tracks = join_runs([track(start) for start in starts], starts, num_frames)
     tracks.points[tracks.visible] += np.float32([bars.left, bars.top])
-    return Output(tracks._asdict())
+    points, visible = tracks
+    if "graphics" in params:
+        points, visible = end_hidden(points, visible, graphics_mask(ScreenGraphics(**params["graphics"]), shape))
+    return Output({"points": points, "visible": visible})
 
 
-def _params(config: PipelineConfig, step: int = 1, bars: BlackBars | None = None) -> dict:
-    """Return the parameters of tracks inside the picture, at whose edge a bar has corners that no scene moves."""
+def _params(
+    config: PipelineConfig, step: int = 1, bars: BlackBars | None = None, graphics: ScreenGraphics | None = None
+) -> dict:
+    """Return the parameters of tracks of the scene alone: what hides it is filled, with corners that stand still."""
     params = config.dense_tracks.model_dump(mode="json")
     if bars is not None:
         params["bars"] = bars._asdict()
+    if graphics is not None:
+        params["graphics"] = graphics.as_json()
     reach = max(config.rigidity.gaps)
     # Of pairs that are farther apart than they reach, the frames between are not tracked.
     return params if step <= reach else {**params, "runs": {"step": step, "reach": reach}}
@@ -50,7 +60,7 @@ def _params(config: PipelineConfig, step: int = 1, bars: BlackBars | None = None
 
 LUCAS_KANADE = Task("dense_tracks", "lucas-kanade", version=2, run=_run, params=_params)
 
-PLACE_PARAMS = frozenset({"runs", "bars"})
+PLACE_PARAMS = frozenset({"runs", "bars", "graphics"})
 """Parameters of the recipe that depend on the frames."""
 
 STAGE = Stage(

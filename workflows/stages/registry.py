@@ -56,6 +56,7 @@ from moseg.workflows.stages import (
     scene_cuts,
     scene_parallax,
     score,
+    screen_graphics,
     seeds,
     segmentation,
     sightings,
@@ -75,7 +76,7 @@ STAGES: dict[str, Stage] = {
     module.STAGE.name: module.STAGE
     for module in (
         *(tags, detections, motion_prompts, instances, seeds),
-        *(black_bars, filled_frame, repetitions, scene_cuts, scene_parallax),
+        *(black_bars, screen_graphics, filled_frame, repetitions, scene_cuts, scene_parallax),
         *(flow, background, saliency, motion_network, consistency, accumulation, motion_memory, own_motion, coherence),
         *(appearance, motion_proof, video_network, foreground, components),
         *(dense_tracks, cameras, rigidity, moving_tracks, track_surfaces, track_groups, track_objects),

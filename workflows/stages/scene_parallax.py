@@ -5,6 +5,7 @@ import numpy as np
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import BY_CAMERA, PipelineConfig
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
+from moseg.schemas.screen_graphics import ScreenGraphics
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -19,6 +20,7 @@ PLACE_PARAMS = frozenset({"stretch_length", "num_pairs", "min_pairs", "pair_gap"
 
 def _run(params, inputs, rng):
     from moseg.tasks.scene_parallax import choose_source, follow_corners, measure_pairs
+    from moseg.tasks.screen_graphics import graphics_mask, pairs_outside
 
     parallax_params = SceneParallaxParams.of_recipe(params["scene_parallax"])
     frames = inputs.all("frames")
@@ -26,14 +28,23 @@ def _run(params, inputs, rng):
     picture, corner = bars.picture(shape), np.array([bars.left, bars.top])
     runs = ([frame.cached("image")[picture] for frame in frames[first : last + 1]] for first, last in params["pairs"])
     pairs = [tuple(points + corner for points in follow_corners(run, parallax_params)) for run in runs]
+    if "graphics" in params:
+        hidden = graphics_mask(ScreenGraphics(**params["graphics"]), shape)
+        pairs = [pairs_outside(pair, hidden) for pair in pairs]
     evidence = measure_pairs(pairs, shape, parallax_params, RigidityParams.of_recipe(params["rigidity"]))
     return Output({}, choose_source(evidence, len(pairs), parallax_params)._asdict())
 
 
-def _params(config: PipelineConfig, pairs: list[tuple[int, int]], bars: BlackBars | None = None) -> dict:
-    """Return the parameters of pairs of frames, whose corners lie inside the picture where there are bars."""
+def _params(
+    config: PipelineConfig,
+    pairs: list[tuple[int, int]],
+    bars: BlackBars | None = None,
+    graphics: ScreenGraphics | None = None,
+) -> dict:
+    """Return the parameters of pairs of frames, whose corners are those of the scene where something hides it."""
     return {
         **({} if bars is None else {"bars": bars._asdict()}),
+        **({} if graphics is None else {"graphics": graphics.as_json()}),
         "pairs": [list(pair) for pair in pairs],
         "scene_parallax": config.scene_parallax.model_dump(mode="json", exclude=PLACE_PARAMS),
         "rigidity": config.rigidity.model_dump(mode="json", include=CAMERA_PARAMS),

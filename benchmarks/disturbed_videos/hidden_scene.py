@@ -1,9 +1,10 @@
-"""Scores of a user's videos with black bars: ``python benchmarks/disturbed_videos/black_bars.py DAVIS [--sequences A,B]
-[--json FILE]``.
+"""Scores of a user's videos with black bars or graphics: ``python benchmarks/disturbed_videos/hidden_scene.py DAVIS
+[--sequences A,B] [--only pillars,graphics] [--json FILE]``.
 
-Each sequence of DAVIS-2016 is segmented as `segment_video` does it by default: as it is, and with pillars and
-letterboxed, once with the bars left out and once with the bars as scene (``black_bars.fill``). The ground truth has no
-object in the bars. `measure.py` has the same bars, but the sequences of data sets are not searched for any.
+Each sequence of DAVIS-2016 is segmented as `segment_video` does it by default: as it is, with pillars, letterboxed, and
+with a logo and a clock, once with these left out and once with them as scene (``black_bars.fill`` and
+``screen_graphics.fill``). The ground truth has no object in the bars, and does not know the graphics. `measure.py` has
+the same disturbances, but the sequences of data sets are not searched for them.
 """
 
 import argparse
@@ -16,15 +17,15 @@ from measure import FRAMES, TRUTHS, read_video, write_video
 
 import moseg
 
-BARS = "none", "pillars", "letterbox"
+HIDING = "none", "pillars", "letterbox", "graphics"
 
 
-def measure(root: Path, sequence: str, bars: str, fills: bool) -> dict[str, float]:
-    """Return J and Fu of a sequence with bars, in percent."""
+def measure(root: Path, sequence: str, hiding: str, fills: bool) -> dict[str, float]:
+    """Return J and Fu of a sequence, in percent."""
     with tempfile.TemporaryDirectory() as folder:
         davis, masks = Path(folder, "davis"), Path(folder, "masks", sequence)
-        write_video(davis, sequence, DISTURBANCES[bars][1](read_video(root, sequence), None))
-        settings = {"black_bars.fill": fills}
+        write_video(davis, sequence, DISTURBANCES[hiding][1](read_video(root, sequence), None))
+        settings = {"black_bars.fill": fills, "screen_graphics.fill": fills}
         result = moseg.segment_video(davis / FRAMES / sequence, settings, store=Path(folder, "store"), progress=False)
         result.save(Path(folder, "out"))
         masks.parent.mkdir()
@@ -39,14 +40,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("root", type=Path, metavar="DAVIS", help="folder of DAVIS-2016")
     parser.add_argument("--sequences", type=lambda names: names.split(","), help="names, separated by commas")
+    parser.add_argument("--only", type=lambda names: names.split(","), help="what hides the scene", default=HIDING)
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
     sequences = asked.sequences or sorted(path.name for path in (asked.root / TRUTHS).iterdir())
     found = {}
-    for bars in BARS:
-        for fills in (True, False) if bars != "none" else (True,):
-            name = bars if bars == "none" else f"{bars}, {'left out' if fills else 'as scene'}"
-            scores = {sequence: measure(asked.root, sequence, bars, fills) for sequence in sequences}
+    for hiding in asked.only:
+        for fills in (True, False) if hiding != "none" else (True,):
+            name = hiding if hiding == "none" else f"{hiding}, {'left out' if fills else 'as scene'}"
+            scores = {sequence: measure(asked.root, sequence, hiding, fills) for sequence in sequences}
             mean = {key: sum(each[key] for each in scores.values()) / len(scores) for key in ("J", "F")}
             found[name] = {**scores, "mean": mean}
             figures = "  ".join(f"{sequence} {each['J']:.1f}" for sequence, each in found[name].items())
