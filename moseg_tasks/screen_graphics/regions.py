@@ -14,7 +14,8 @@ _MAX_HULL = 2.0
 def with_plain_ground(region: np.ndarray, frames: np.ndarray, params: ScreenGraphicsParams, join: int) -> np.ndarray:
     """Add to a region the ground around its edges whose colours change less than those of the scene around it.
 
-    Of a sign that lets some of the scene shine through, the border is no edge that is the same in all frames.
+    Of a sign that lets some of the scene shine through, the border is no edge that is the same in all frames. Ground
+    that goes on beyond the reach is that of a scene of one colour.
 
     Parameters
     ----------
@@ -32,19 +33,23 @@ def with_plain_ground(region: np.ndarray, frames: np.ndarray, params: ScreenGrap
     x, y, width, height = cv2.boundingRect(region.astype(np.uint8))
     reach = join + round(params.reach * min(width, height))
     near, around = (_expanded((x, y, width, height), times * reach, region.shape) for times in (1, 2))
-    deviation = _deviation(frames[:, around[0], around[1]])
-    is_scene, known = np.ones(region.shape, bool), np.full(region.shape, np.inf, np.float32)
+    is_scene = np.ones(region.shape, bool)
     is_scene[near] = False
-    known[around] = deviation
-    scene = deviation[is_scene[around]]
-    if not scene.size:
+    beyond, seen = is_scene[around], region[around]
+    if not beyond.any():
         return region
-    is_near = np.zeros(region.shape, bool)
-    is_near[near] = True
-    steady = (is_near & (known <= params.steadiness * float(np.median(scene)))).astype(np.uint8)
-    joined = cv2.morphologyEx(steady, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) | region
-    _, labels = cv2.connectedComponents(joined.astype(np.uint8))
-    return np.isin(labels, np.unique(labels[region]))
+    usual, deviation = _over_time(frames[:, around[0], around[1]])
+    steady = deviation <= params.steadiness * float(np.median(deviation[beyond]))
+    plain = (
+        cv2.magnitude(*(cv2.Sobel(usual, cv2.CV_32F, *order) / 8 for order in ((1, 0), (0, 1)))) < params.min_gradient
+    )
+    square = np.ones((3, 3), np.uint8)
+    _, labels = cv2.connectedComponents(cv2.morphologyEx((steady & plain).astype(np.uint8), cv2.MORPH_OPEN, square))
+    is_ground = np.isin(labels, labels[seen]) & ~np.isin(labels, labels[beyond]) & (labels > 0)
+    grown = region.copy()
+    # Its border is not plain.
+    grown[around] |= cv2.dilate(is_ground.astype(np.uint8), square, iterations=3).astype(bool)
+    return grown
 
 
 def convex_parts(mask: np.ndarray, smallest: int) -> Iterator[np.ndarray]:
@@ -74,10 +79,11 @@ def _divided(points: np.ndarray, smallest: int) -> Iterator[np.ndarray]:
     yield from _divided(points[~is_first], smallest)
 
 
-def _deviation(frames: np.ndarray) -> np.ndarray:
-    """Return the median absolute deviation over time, float32 (y, x), of the colour that changes most."""
+def _over_time(frames: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the median grey level, and the median deviation of the colour that changes most, float32 (y, x)."""
     usual = np.median(frames, axis=0).astype(np.int16)
-    return np.median(np.abs(frames.astype(np.int16) - usual), axis=0).max(axis=-1).astype(np.float32)
+    deviation = np.median(np.abs(frames.astype(np.int16) - usual), axis=0).max(axis=-1)
+    return cv2.cvtColor(usual.astype(np.uint8), cv2.COLOR_RGB2GRAY).astype(np.float32), deviation.astype(np.float32)
 
 
 def _expanded(box: tuple[int, int, int, int], by: int, shape: tuple[int, int]) -> tuple[slice, slice]:
