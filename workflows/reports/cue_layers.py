@@ -110,8 +110,8 @@ def _prepare_frames(view: SequenceView) -> CueDrawing:
     def draw(frame: int) -> Picture:
         return encode_opaque(shrink_to(view.store.read(view.graph.leaves.frames[frame], "image"), view.shape))
 
-    filled = "The frame; for the analysis its black bars are filled with the border of the picture."
-    return CueDrawing(draw, "The frame as analysed." if view.graph.leaves.bars is None else filled)
+    filled = "The frame; for the analysis, the scene beside them stands for its black bars and graphics."
+    return CueDrawing(draw, filled if view.graph.leaves.hidden() else "The frame as analysed.")
 
 
 def _prepare_saliency(view: SequenceView, cue: FrameCue) -> CueDrawing:
