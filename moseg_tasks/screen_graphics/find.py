@@ -8,6 +8,7 @@ import numpy as np
 from moseg.schemas.parameters import ScreenGraphicsParams
 from moseg.schemas.screen_graphics import ScreenGraphics
 from moseg.tasks.frame_grid import reduced_shape, resample
+from moseg.tasks.screen_graphics.camera import camera_motions
 from moseg.tasks.screen_graphics.persistent_edges import PersistentEdges, persistent_edges
 from moseg.tasks.screen_graphics.regions import convex_parts, with_plain_ground
 from moseg.tasks.screen_graphics.shifts import shifts
@@ -17,13 +18,17 @@ _MIN_FRAMES = 8
 _PERCENTILE = 90  # of the shifts, which may be wrong in a frame in which something hides the graphic
 
 
-def find_graphics(images: Sequence[np.ndarray], params: ScreenGraphicsParams) -> ScreenGraphics:
+def find_graphics(
+    images: Sequence[np.ndarray], following: Sequence[np.ndarray], params: ScreenGraphicsParams
+) -> ScreenGraphics:
     """Find the graphics that were drawn into a video.
 
     Parameters
     ----------
     images : sequence of uint8 (y, x, 3)
         RGB frames of one size, spread over the video; without black bars, whose edges stand still too.
+    following : sequence of uint8 (y, x, 3)
+        The frame after each of them.
     params : ScreenGraphicsParams
 
     Returns
@@ -38,7 +43,10 @@ def find_graphics(images: Sequence[np.ndarray], params: ScreenGraphicsParams) ->
     frames = np.stack([resample(image, grid) for image in images])
     levels = np.stack([cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY) for frame in frames])
     edges = persistent_edges(levels, params)
-    if edges.share > params.max_still:
+    if edges.share > params.max_still or not edges.is_persistent.any():
+        return ScreenGraphics()
+    moves = camera_motions(images, following) * params.side >= params.min_motion
+    if moves.mean() < params.min_moving:
         return ScreenGraphics()
     join = max(2, round(params.join * max(grid)))
     mask = np.zeros(grid, bool)

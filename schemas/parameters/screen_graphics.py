@@ -20,7 +20,7 @@ class ScreenGraphicsParams(Frozen):
         "only named, and analysed as scene",
     )
     side: Annotated[int, Unit.PIXELS] = Field(
-        854, ge=64, description="longer side at which larger frames are searched, px"
+        854, ge=64, description="longer side at which larger frames are searched, to which other lengths refer, px"
     )
     min_gradient: Annotated[float, Unit.GREY_LEVELS] = Field(
         6.0, gt=0, description="smallest median gradient of a pixel at an edge, grey levels per px"
@@ -42,11 +42,21 @@ class ScreenGraphicsParams(Frozen):
         gt=0,
         description="largest shift of a graphic's edges, in nine of ten frames: distant parts of a scene sway by more",
     )
+    min_motion: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        0.5, ge=0, description="motion of the background from a frame to the next in which the camera moves, px/frame"
+    )
+    min_moving: Annotated[float, Unit.SHARE] = Field(
+        0.25,
+        ge=0,
+        le=1,
+        description="frames in which the camera moves, at least: else graphics rest as the scene does, and what stands "
+        "in it could not be told from them",
+    )
     max_still: Annotated[float, Unit.SHARE] = Field(
         0.25,
         gt=0,
         le=1,
-        description="edges of the frame that may stand still; else the camera does, and none is a graphic",
+        description="edges of the frame that may stand still; else none is a graphic",
     )
     join: Annotated[float, Unit.SHARE] = Field(
         0.01, gt=0, le=0.1, description="distance to which edges belong together, relative to the frame's longer side"

@@ -10,8 +10,9 @@ from moseg.workflows.graph.nodes import Nodes
 def screen_graphics(nodes: Nodes) -> str:
     """Write the recipe of the graphics of a sequence, and return its reference."""
     frames, number = nodes.leaves.frames, nodes.config.screen_graphics.num_frames
-    read = tuple(frames[index] for index in sample_frames(len(frames), number))
-    return nodes.add("screen_graphics", {"bars": black_bars(nodes), "frames": read})
+    indices = sample_frames(len(frames) - 1, number)
+    read, following = (tuple(frames[index + after] for index in indices) for after in (0, 1))
+    return nodes.add("screen_graphics", {"bars": black_bars(nodes), "frames": read, "following": following})
 
 
 def read_graphics(attributes: Mapping) -> ScreenGraphics:

@@ -13,10 +13,11 @@ UNREAD_PARAMS = frozenset({"fill", "num_frames"})
 def _run(params, inputs, rng):
     from moseg.tasks.screen_graphics import find_graphics
 
-    bars, frames = BlackBars(**inputs["bars"].attributes["bars"]), inputs.all("frames")
+    bars = BlackBars(**inputs["bars"].attributes["bars"])
+    frames, following = (inputs.all(role) for role in ("frames", "following"))
     picture = bars.picture(frames[0].shape("image")[:2])
-    graphics_params = ScreenGraphicsParams.of_recipe(params["screen_graphics"])
-    found = find_graphics([frame.cached("image")[picture] for frame in frames], graphics_params)
+    images, later = ([frame.cached("image")[picture] for frame in each] for each in (frames, following))
+    found = find_graphics(images, later, ScreenGraphicsParams.of_recipe(params["screen_graphics"]))
     return Output({}, {"graphics": found.moved(bars.left, bars.top).as_json()})
 
 
@@ -29,7 +30,11 @@ STILL_EDGES = Task("screen_graphics", "still-edges", version=1, run=_run, params
 STAGE = Stage(
     name="screen_graphics",
     about="graphics that were drawn into a video's frames",
-    inputs={"bars": "the black bars, inside which is searched", "frames": "some frames, spread over the video"},
+    inputs={
+        "bars": "the black bars, inside which is searched",
+        "frames": "some frames, spread over the video",
+        "following": "the frame after each of these",
+    },
     arrays={},
     tasks=(STILL_EDGES,),
 )
