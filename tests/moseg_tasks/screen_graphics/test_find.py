@@ -96,6 +96,14 @@ def test_in_front_of_a_camera_that_stands_still_a_logo_cannot_be_told_from_the_s
     assert _find([_logo(frame) for frame in _scene(step=0)]) == NONE
 
 
+def test_what_moves_in_half_of_the_frame_does_not_make_the_other_half_a_graphic():
+    frames = _scene()
+    for frame in frames:
+        frame[:, : WIDTH // 2] = frames[0][:, : WIDTH // 2]
+    assert _find(frames, max_area=0.9) == NONE
+    assert _find(frames, max_area=0.9, max_still=1).parts
+
+
 @pytest.mark.parametrize("num_frames", [1, 7, 8])
 def test_fewer_than_eight_frames_say_too_little(num_frames):
     found = _find([_logo(frame) for frame in _scene(num_frames=num_frames)])
