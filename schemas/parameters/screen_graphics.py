@@ -53,7 +53,7 @@ class ScreenGraphicsParams(Frozen):
         "in it could not be told from them",
     )
     max_still: Annotated[float, Unit.SHARE] = Field(
-        0.25,
+        0.5,
         gt=0,
         le=1,
         description="edges of the frame that may stand still; else none is a graphic",

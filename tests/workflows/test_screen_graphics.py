@@ -130,7 +130,8 @@ def test_what_becomes_of_the_graphics_and_how_many_frames_are_read_is_no_paramet
     assert usual.screen_graphics() == unfilled.screen_graphics()
     few = _graph(_leaves(None), screen_graphics={"num_frames": 3})
     searched = few.recipes[few.screen_graphics()]
-    assert searched.inputs["frames"] == tuple(few.leaves.frames[number] for number in (0, 8, 16))
+    for role, numbers in (("frames", (0, 8, 15)), ("following", (1, 9, 16))):
+        assert searched.inputs[role] == tuple(few.leaves.frames[number] for number in numbers)
     assert not {"fill", "num_frames"} & {*searched.params["screen_graphics"]}
     other = _graph(_leaves(None), screen_graphics={"max_shift": 0.3})
     assert other.screen_graphics() != usual.screen_graphics()

@@ -8,7 +8,7 @@ from moseg.schemas.parameters import ScreenGraphicsParams
 from moseg.schemas.screen_graphics import ScreenGraphics
 from moseg.tasks.screen_graphics import find_graphics, graphics_mask
 
-HEIGHT, WIDTH, NUM_FRAMES = 180, 240, 16
+HEIGHT, WIDTH, NUM_FRAMES = 180, 240, 17
 NONE = ScreenGraphics()
 FACE, WHITE = cv2.FONT_HERSHEY_SIMPLEX, (255, 255, 255)
 PLAIN = np.s_[20:61, 150:207]
@@ -16,7 +16,7 @@ PLAIN = np.s_[20:61, 150:207]
 
 
 def _find(frames, **params):
-    return find_graphics(frames, ScreenGraphicsParams(**params))
+    return find_graphics(frames[:-1], frames[1:], ScreenGraphicsParams(**params))
 
 
 def _scene(step=4, num_frames=NUM_FRAMES, scale=1):
@@ -100,19 +100,34 @@ def test_what_moves_in_half_of_the_frame_does_not_make_the_other_half_a_graphic(
     frames = _scene()
     for frame in frames:
         frame[:, : WIDTH // 2] = frames[0][:, : WIDTH // 2]
-    assert _find(frames, max_area=0.9) == NONE
-    assert _find(frames, max_area=0.9, max_still=1).parts
+    assert _find(frames) == NONE and _find(frames, max_area=0.9, max_still=0.25) == NONE
+    assert _find(frames, max_area=0.9, min_moving=0).parts
 
 
-@pytest.mark.parametrize("num_frames", [1, 7, 8])
-def test_fewer_than_eight_frames_say_too_little(num_frames):
+def test_what_stands_in_a_busy_place_before_a_camera_at_rest_is_no_graphic():
+    """Of the few strong edges most move, each thing in its own way, but the place itself does not."""
+    rng, texture = np.random.default_rng(2), _scene(0)[0]
+    starts, steps = rng.uniform((0, 70), (WIDTH, HEIGHT), (8, 2)), rng.uniform(-5, 5, (8, 2))
+    frames = []
+    for index in range(NUM_FRAMES):
+        frame = _logo((90 + 0.2 * texture).astype(np.uint8))
+        for x, y in (starts + index * steps).astype(int) % (WIDTH, HEIGHT):
+            window = frame[max(y, 66) : y + 24, x : x + 24]
+            window[:] = texture[: window.shape[0], : window.shape[1]]
+        frames.append(frame)
+    assert _find(frames) == NONE
+    assert _find(frames, min_moving=0).parts
+
+
+@pytest.mark.parametrize("num_frames", [2, 8, 9])
+def test_fewer_than_nine_frames_say_too_little(num_frames):
     found = _find([_logo(frame) for frame in _scene(num_frames=num_frames)])
-    assert bool(found.parts) == (num_frames == 8)
+    assert bool(found.parts) == (num_frames == 9)
 
 
 def test_the_plain_ground_beyond_the_letters_of_a_translucent_box_is_covered_too():
     mask = _mask(_find([_badge(frame) for frame in _scene()]))
-    assert mask[PLAIN].mean() > 0.99 and mask.sum() < 1.1 * mask[PLAIN].size
+    assert mask[PLAIN].mean() > 0.99 and mask.sum() < 1.25 * mask[PLAIN].size
 
 
 def test_without_a_reach_only_what_is_beside_the_letters_is_covered():

@@ -87,15 +87,21 @@ def _ground(region, frames, **params):
 
 
 def test_a_plain_ground_is_added_and_the_scene_is_not():
-    expected = np.zeros(SHAPE, bool)
-    expected[BOX] = True
-    assert np.array_equal(_ground(_region(), _filmed()), expected)
+    grown = _ground(_region(), _filmed())
+    # Within the pixels at its border.
+    assert grown[BOX].all() and np.array_equal(np.argwhere(grown)[[0, -1]], [[28, 38], [61, 81]])
 
 
-def test_a_plain_ground_is_added_as_far_as_it_may_reach():
-    grown = _ground(_region(), _filmed(), reach=0.1)
-    # 2 px by which edges are joined, and a tenth of the height.
-    assert np.array_equal(np.argwhere(grown)[[0, -1]], [[32, 44], [57, 75]])
+def test_a_plain_ground_that_goes_on_beyond_the_reach_is_that_of_a_scene_of_one_colour():
+    assert np.array_equal(_ground(_region(), _filmed(), reach=0.1), _region())
+
+
+def test_ground_of_another_colour_beside_it_is_not_added():
+    """A sky that changes as little as a sign is told from it by the border between them."""
+    frames = _filmed()
+    frames[:, :30] = 220
+    grown = _ground(_region(), frames)
+    assert grown[BOX].all() and not grown[:27].any()
 
 
 def test_other_plain_places_nearby_are_not_added():

@@ -37,15 +37,25 @@ def test_lists_of_a_recipe_do_as_well_as_tuples():
     assert _describe([[*corner] for corner in LOGO]) == _describe(LOGO)
 
 
+def _logos(number, gap):
+    return [[(x + index * (10 + gap), y) for x, y in LOGO] for index in range(number)]
+
+
 @pytest.mark.parametrize("number", [1, 2, 4])
-def test_each_of_a_few_parts_is_named(number):
-    (line,) = _describe(*[LOGO] * number)
+def test_each_of_a_few_graphics_is_named(number):
+    (line,) = _describe(*_logos(number, gap=5))
     assert line.count("20 x 16 px") == number and "others" not in line
 
 
-def test_of_many_parts_the_first_ones_are_named():
-    (line,) = _describe(*[LOGO] * 9)
-    assert line.count("20 x 16 px") == 4 and "at 20, 10; and others)" in line
+def test_of_many_graphics_the_first_ones_are_named():
+    (line,) = _describe(*_logos(9, gap=5))
+    assert line.count("20 x 16 px") == 4 and "at 110, 10; and others)" in line
+
+
+def test_parts_as_near_as_letters_are_one_graphic():
+    first, *middle, last = _logos(5, gap=4)
+    (line,) = _describe(first, last, *middle)
+    assert "(132 x 16 px at 20, 10)" in line
 
 
 @pytest.mark.parametrize("are_left_out", [True, False])
