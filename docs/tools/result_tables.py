@@ -215,6 +215,16 @@ def _small_frames() -> Rows:
     return [("longer side", "J, as they are", "Fu", "J, enlarged", "Fu"), *cells]
 
 
+def _grey_videos() -> Rows:
+    texts = {"lightness": "lightness alone (`appearance.texture_scale=0`)", "texture": "lightness and texture"}
+    rows = ((text, f"{{grey-videos/{name}/J}}", f"{{grey-videos/{name}/F}}") for name, text in texts.items())
+    return [
+        ("histograms of", "J", "Fu"),
+        *rows,
+        ("of colour, as they are", "{davis-default/fused/J}", "{davis-default/fused/F}"),
+    ]
+
+
 def _parts_of_learning() -> Rows:
     texts = {
         "no-network": "`--set motion_network.use=never`",
@@ -325,6 +335,7 @@ TABLES = {
     "training-curve": _training_curve(),
     "network-sizes": _network_sizes(),
     "small-frames": _small_frames(),
+    "grey-videos": _grey_videos(),
     "networks-on-gpu": _networks_on_gpu(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,

@@ -15,6 +15,8 @@ _GREY = 128  # a and b of a colour without chroma, as OpenCV keeps them in a byt
 def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
     """Return the bin of each pixel's colour: `levels` each of L, a and b, which are perceptually uniform.
 
+    In a frame without colour, the local contrast of L and its local deviation stand for a and b.
+
     Parameters
     ----------
     image : uint8 (y, x, 3)
@@ -27,12 +29,32 @@ def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
         ``(L * levels + a) * levels + b``.
     """
     lightness, a, b = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2LAB))
+    if params.texture_scale and _is_grey(image):
+        a, b = _texture(lightness, params)
     levels = params.levels
     light = _BYTES * levels // 256
     # Half a byte off the edge between two bins, because grey lies on that edge.
     chroma = np.floor((_BYTES - _GREY + 0.5) * levels / params.chroma_range + levels / 2).clip(0, levels - 1)
     tables = (light * levels**2, chroma * levels, chroma)
     return sum(np.take(table.astype(np.uint16), side) for table, side in zip(tables, (lightness, a, b), strict=True))
+
+
+def _is_grey(image: np.ndarray) -> bool:
+    red, green, blue = cv2.split(image)
+    return np.array_equal(red, green) and np.array_equal(green, blue)
+
+
+def _texture(lightness: np.ndarray, params: AppearanceParams) -> tuple[np.ndarray, np.ndarray]:
+    """Return local contrast and deviation of lightness, uint8 (y, x), in the range of a and b about grey."""
+
+    def blurred(values: np.ndarray) -> np.ndarray:
+        return cv2.GaussianBlur(values, (0, 0), params.texture_scale)
+
+    levels = lightness.astype(np.float32)
+    mean = blurred(levels)
+    deviation = np.sqrt(np.maximum(blurred(levels * levels) - mean * mean, 0))
+    placed = (_GREY + levels - mean, _GREY - params.chroma_range / 2 + 2 * deviation)
+    return tuple(np.clip(np.rint(each), 0, 255).astype(np.uint8) for each in placed)
 
 
 class ColourCount(NamedTuple):

@@ -15,6 +15,12 @@ class AppearanceParams(Frozen):
     chroma_range: Annotated[float, Unit.GREY_LEVELS] = Field(
         96.0, gt=0, description="range of a and of b, around grey; values beyond are in the last bin"
     )
+    texture_scale: Annotated[float, Unit.PIXELS] = Field(
+        2.0,
+        ge=0,
+        description="sigma of the Gaussian for the local contrast and deviation of lightness that stand for a and b in "
+        "frames without colour, px; 0: nothing stands for them",
+    )
     moving_sharpness: Annotated[float, Unit.RATIO] = Field(
         5.0, gt=0, description="power of the probability of moving in a pixel's weight"
     )

@@ -12,7 +12,7 @@ from moseg.workflows.stages.accumulation import PASSES
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-COLOUR_PARAMS = frozenset({"levels", "chroma_range", "smoothing", "floor", "doubt", "clip"})
+COLOUR_PARAMS = frozenset({"levels", "chroma_range", "texture_scale", "smoothing", "floor", "doubt", "clip"})
 """Parameters of appearance that the colours of a mask read."""
 
 

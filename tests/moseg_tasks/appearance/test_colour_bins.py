@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from moseg.schemas.parameters import AppearanceParams
 from moseg.tasks.appearance import colour_bins
 
-PARAMS = AppearanceParams()
+PARAMS, PLAIN = AppearanceParams(), AppearanceParams(texture_scale=0)
 CORNERS = np.array([[[r, g, b] for r in (0, 255) for g in (0, 255) for b in (0, 255)]], np.uint8)
 
 
@@ -21,7 +21,7 @@ def split(bins: np.ndarray, params: AppearanceParams = PARAMS) -> tuple[np.ndarr
 
 
 def test_grey_levels_keep_their_order_from_the_first_bin_of_lightness_to_the_last():
-    lightness, a, b = split(colour_bins(grey(range(256)), PARAMS))
+    lightness, a, b = split(colour_bins(grey(range(256)), PLAIN))
     assert (np.diff(lightness.astype(int)) >= 0).all()
     assert lightness[0, 0] == 0 and lightness[0, -1] == PARAMS.levels - 1
     assert len(np.unique(lightness)) == PARAMS.levels
@@ -29,8 +29,32 @@ def test_grey_levels_keep_their_order_from_the_first_bin_of_lightness_to_the_las
 
 
 def test_grey_is_in_the_middle_of_both_ranges_of_chroma():
-    _, a, b = split(colour_bins(grey([128]), PARAMS))
+    _, a, b = split(colour_bins(grey([128]), PLAIN))
     assert abs(int(a[0, 0]) - PARAMS.levels // 2) <= 1 and abs(int(b[0, 0]) - PARAMS.levels // 2) <= 1
+
+
+def _striped(contrast: int) -> np.ndarray:
+    """Return a grey image whose right half has stripes about the lightness of its left half."""
+    levels = np.full((40, 40), 120)
+    levels[:, 20:] += contrast * (-1) ** np.arange(20)
+    return grey(levels.ravel()).reshape(40, 40, 3)
+
+
+def test_without_colour_what_is_plain_and_what_is_rough_are_in_other_bins():
+    for contrast in (15, 40):
+        _, contrasts, deviations = split(colour_bins(_striped(contrast), PARAMS))
+        assert deviations[:, 26:].min() > deviations[:, :14].max()
+        assert np.ptp(contrasts[:, :14]) == 0 and np.ptp(contrasts[:, 26:]) > 0
+    plain, rough = (split(colour_bins(_striped(contrast), PARAMS))[2] for contrast in (0, 40))
+    assert np.array_equal(plain[:, :14], rough[:, :14]) and np.ptp(plain) == 0
+
+
+def test_a_single_coloured_pixel_makes_it_a_frame_with_colour():
+    image = _striped(40)
+    image[0, 0] = 120, 121, 120
+    assert np.array_equal(colour_bins(image, PARAMS), colour_bins(image, PLAIN))
+    image[0, 0] = 120
+    assert not np.array_equal(colour_bins(image, PARAMS), colour_bins(image, PLAIN))
 
 
 def test_red_and_green_and_blue_and_yellow_are_opposites():
