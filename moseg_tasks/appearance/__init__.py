@@ -1,6 +1,6 @@
 """Colours of what moves and of the background, learnt from a video's own motion."""
 
-from moseg.tasks.appearance.histograms import ColourCount, colour_bins, count_colours
+from moseg.tasks.appearance.histograms import ColourCount, colour_bins, count_colours, histogram_shape
 from moseg.tasks.appearance.ratio import colour_ratio, pool_sections
 
-__all__ = ["ColourCount", "colour_bins", "colour_ratio", "count_colours", "pool_sections"]
+__all__ = ["ColourCount", "colour_bins", "colour_ratio", "count_colours", "histogram_shape", "pool_sections"]

@@ -1,5 +1,6 @@
-"""Histograms of a section's moving and static colours in CIELAB, and the flow's consistency where it moves."""
+"""Histograms of a section's moving and static colours and textures, and the flow's consistency where it moves."""
 
+import math
 from typing import NamedTuple
 
 import cv2
@@ -13,9 +14,10 @@ _GREY = 128  # a and b of a colour without chroma, as OpenCV keeps them in a byt
 
 
 def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
-    """Return the bin of each pixel's colour: `levels` each of L, a and b, which are perceptually uniform.
+    """Return the bin of each pixel's colour and texture.
 
-    In a frame without colour, the local contrast of L and its local deviation stand for a and b.
+    Colour has `levels` each of L, a and b, which are perceptually uniform; texture is the deviation of L around the
+    pixel, whose bins grow with it.
 
     Parameters
     ----------
@@ -26,26 +28,25 @@ def colour_bins(image: np.ndarray, params: AppearanceParams) -> np.ndarray:
     Returns
     -------
     bins : uint16 (y, x)
-        ``(L * levels + a) * levels + b``.
+        Flat places in a histogram of `histogram_shape`.
     """
     lightness, a, b = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2LAB))
-    if params.texture_scale and _is_grey(image):
-        a, b = _texture(lightness, params)
-    levels = params.levels
+    levels, texture = params.levels, _texture_bins(lightness, params)
     light = _BYTES * levels // 256
     # Half a byte off the edge between two bins, because grey lies on that edge.
     chroma = np.floor((_BYTES - _GREY + 0.5) * levels / params.chroma_range + levels / 2).clip(0, levels - 1)
-    tables = (light * levels**2, chroma * levels, chroma)
-    return sum(np.take(table.astype(np.uint16), side) for table, side in zip(tables, (lightness, a, b), strict=True))
+    steps = np.array([levels**2, levels, 1]) * params.texture_levels
+    tables = ((step * side).astype(np.uint16) for step, side in zip(steps, (light, chroma, chroma), strict=True))
+    return sum((np.take(table, side) for table, side in zip(tables, (lightness, a, b), strict=True)), start=texture)
 
 
-def _is_grey(image: np.ndarray) -> bool:
-    red, green, blue = cv2.split(image)
-    return np.array_equal(red, green) and np.array_equal(green, blue)
+def histogram_shape(params: AppearanceParams) -> tuple[int, int, int, int]:
+    """Return how many bins a histogram has of L, a, b and texture."""
+    return (*(params.levels,) * 3, params.texture_levels)
 
 
-def _texture(lightness: np.ndarray, params: AppearanceParams) -> tuple[np.ndarray, np.ndarray]:
-    """Return local contrast and deviation of lightness, uint8 (y, x), in the range of a and b about grey."""
+def _texture_bins(lightness: np.ndarray, params: AppearanceParams) -> np.ndarray:
+    """Return the bin uint16 (y, x) of the standard deviation of L in a Gaussian window."""
 
     def blurred(values: np.ndarray) -> np.ndarray:
         return cv2.GaussianBlur(values, (0, 0), params.texture_scale)
@@ -53,8 +54,8 @@ def _texture(lightness: np.ndarray, params: AppearanceParams) -> tuple[np.ndarra
     levels = lightness.astype(np.float32)
     mean = blurred(levels)
     deviation = np.sqrt(np.maximum(blurred(levels * levels) - mean * mean, 0))
-    placed = (_GREY + levels - mean, _GREY - params.chroma_range / 2 + 2 * deviation)
-    return tuple(np.clip(np.rint(each), 0, 255).astype(np.uint8) for each in placed)
+    place = np.sqrt(deviation * np.float32(1 / params.texture_range)) * np.float32(params.texture_levels)
+    return np.minimum(place, params.texture_levels - 1).astype(np.uint16)
 
 
 class ColourCount(NamedTuple):
@@ -111,7 +112,7 @@ def count_colours(
     moving = moves**params.moving_sharpness * reliability**2
     unreliable = np.float32(params.unreliable_static) * (1 - reliability)
     static = np.maximum((1 - moves) ** params.static_sharpness, unreliable)
-    size = params.levels**3
+    size = math.prod(histogram_shape(params))
     salient = strict > foreground.threshold
     core = probability(logit[salient]) ** params.moving_sharpness
     return ColourCount(

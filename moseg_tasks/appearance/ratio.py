@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from moseg.schemas.parameters import AppearanceParams
-from moseg.tasks.appearance.histograms import ColourCount
+from moseg.tasks.appearance.histograms import ColourCount, histogram_shape
 
 
 def pool_sections(counts: Sequence[ColourCount], centres: Sequence[float], at: float, memory: float) -> ColourCount:
@@ -45,6 +45,6 @@ def colour_ratio(count: ColourCount, params: AppearanceParams) -> np.ndarray:
 
 
 def _smooth_shares(histogram: np.ndarray, params: AppearanceParams) -> np.ndarray:
-    cube = histogram.reshape((params.levels,) * 3)
-    smooth = ndimage.gaussian_filter(cube, params.smoothing, mode="nearest").ravel()
+    widths = (*(params.smoothing,) * 3, params.texture_smoothing)
+    smooth = ndimage.gaussian_filter(histogram.reshape(histogram_shape(params)), widths, mode="nearest").ravel()
     return smooth / smooth.sum()

@@ -9,17 +9,20 @@ from moseg.schemas.units import Unit
 
 
 class AppearanceParams(Frozen):
-    """Histograms over CIELAB of a section's moving and static pixels, and their ratio."""
+    """Histograms over CIELAB and texture of a section's moving and static pixels, and their ratio."""
 
-    levels: Annotated[int, Unit.BINS] = Field(32, ge=2, le=40, description="bins of each of L, a and b")
+    levels: Annotated[int, Unit.BINS] = Field(16, ge=2, le=20, description="bins of each of L, a and b")
     chroma_range: Annotated[float, Unit.GREY_LEVELS] = Field(
         96.0, gt=0, description="range of a and of b, around grey; values beyond are in the last bin"
     )
+    texture_levels: Annotated[int, Unit.BINS] = Field(
+        8, ge=1, le=8, description="bins of the local deviation of L, whose bounds grow with their square"
+    )
+    texture_range: Annotated[float, Unit.GREY_LEVELS] = Field(
+        40.0, gt=0, description="deviation beyond which all are in the last bin"
+    )
     texture_scale: Annotated[float, Unit.PIXELS] = Field(
-        2.0,
-        ge=0,
-        description="sigma of the Gaussian for the local contrast and deviation of lightness that stand for a and b in "
-        "frames without colour, px; 0: nothing stands for them",
+        2.0, gt=0, description="sigma of the Gaussian in which the deviation is taken, px"
     )
     moving_sharpness: Annotated[float, Unit.RATIO] = Field(
         5.0, gt=0, description="power of the probability of moving in a pixel's weight"
@@ -34,7 +37,10 @@ class AppearanceParams(Frozen):
         1.0, ge=0, description="weight of the own-motion residual that is subtracted from the logit of moving"
     )
     smoothing: Annotated[float, Unit.BINS] = Field(
-        1.0, ge=0, description="sigma of the Gaussian over the histograms, bins"
+        0.5, ge=0, description="sigma of the Gaussian over the histograms, bins of L, a and b"
+    )
+    texture_smoothing: Annotated[float, Unit.BINS] = Field(
+        0.7, ge=0, description="the same, bins of the local deviation"
     )
     floor: Annotated[float, Unit.SHARE] = Field(
         1e-6, gt=0, description="share assigned to a bin that is empty in one histogram"

@@ -10,7 +10,7 @@ from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-RATIO_PARAMS = frozenset({"smoothing", "floor", "doubt", "clip", "memory", "reach"})
+RATIO_PARAMS = frozenset({"smoothing", "texture_smoothing", "floor", "doubt", "clip", "memory", "reach"})
 """Parameters of the appearance that only the foreground reads."""
 
 
@@ -37,7 +37,7 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=1, run=_run, params=_params, is_cue=True)
+COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=2, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="appearance",

@@ -12,7 +12,10 @@ from moseg.workflows.stages.accumulation import PASSES
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-COLOUR_PARAMS = frozenset({"levels", "chroma_range", "texture_scale", "smoothing", "floor", "doubt", "clip"})
+COLOUR_PARAMS = frozenset(
+    {"levels", "chroma_range", "texture_levels", "texture_range", "texture_scale"}
+    | {"smoothing", "texture_smoothing", "floor", "doubt", "clip"}
+)
 """Parameters of appearance that the colours of a mask read."""
 
 
@@ -136,9 +139,9 @@ def _continued_params(config: PipelineConfig, origin: str) -> dict:
     return {"from": origin, **_read(config)}
 
 
-STROKES = Task("carried_mask", "strokes", version=2, run=_run_strokes, params=_stroke_params)
-GROWN = Task("carried_mask", "grown", version=2, run=_run_grown, params=_grown_params)
-CONTINUED = Task("carried_mask", "continued", version=2, run=_run_continued, params=_continued_params)
+STROKES = Task("carried_mask", "strokes", version=3, run=_run_strokes, params=_stroke_params)
+GROWN = Task("carried_mask", "grown", version=3, run=_run_grown, params=_grown_params)
+CONTINUED = Task("carried_mask", "continued", version=3, run=_run_continued, params=_continued_params)
 
 STAGE = Stage(
     name="carried_mask",

@@ -90,7 +90,7 @@ def _params(config: PipelineConfig, start: int, centres: list[float], own: int) 
         "start": start,
         "centres": centres,
         "own": own,
-        "appearance": config.appearance.model_dump(mode="json", include=RATIO_PARAMS | {"levels"}),
+        "appearance": config.appearance.model_dump(mode="json", include=RATIO_PARAMS | {"levels", "texture_levels"}),
         "foreground": config.foreground.model_dump(mode="json"),
     }
 
@@ -99,7 +99,7 @@ def _network_params(config: PipelineConfig) -> dict:
     return {"video_network": config.video_network.model_dump(mode="json", include=ADDITION_PARAMS)}
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=3, run=_run, params=_params, is_cue=True)
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=4, run=_run, params=_params, is_cue=True)
 VIDEO_NETWORK = Task("foreground", "video-network", version=2, run=_run_video_network, params=_network_params)
 
 STAGE = Stage(

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
 from moseg.tasks.appearance import count_colours
 
-PARAMS = AppearanceParams(levels=4)
+PARAMS = AppearanceParams(texture_levels=1, levels=4)
 FOREGROUND = ForegroundParams()
 SIZE = PARAMS.levels**3
 SHAPE = (6, 8)

@@ -1,13 +1,15 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg.schemas.parameters import AppearanceParams
-from moseg.tasks.appearance import ColourCount, colour_ratio, pool_sections
+from moseg.tasks.appearance import ColourCount, colour_ratio, histogram_shape, pool_sections
 
-PARAMS = AppearanceParams(levels=6, doubt=0.0)
-SIZE = PARAMS.levels**3
+PARAMS = AppearanceParams(levels=6, smoothing=1.0, texture_levels=1, doubt=0.0)
+SIZE = math.prod(histogram_shape(PARAMS))
 EMPTY = np.zeros(SIZE)
 
 
@@ -76,6 +78,14 @@ def test_neighbouring_colours_share_what_is_learnt():
     assert sharp[middle] > 0 > sharp[middle + 1]
 
 
+def test_a_colour_has_neighbours_in_texture_too():
+    params = PARAMS.model_copy(update={"texture_levels": 8, "texture_smoothing": 0.7})
+    learnt, all_bins = np.zeros((2, *histogram_shape(params)))
+    learnt[3, 3, 3, 4], all_bins[:] = 1, 1
+    ratio = colour_ratio(counted(learnt.ravel(), all_bins.ravel()), params).reshape(learnt.shape)[3, 3, 3]
+    assert ratio.argmax() == 4 and ratio[3] > ratio[2] > ratio[0]
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 1000), st.lists(st.floats(-200, 200), min_size=1, max_size=5), st.floats(0, 1))
 def test_sections_count_by_the_memory_to_the_power_of_their_distance(seed, centres, memory):
@@ -103,7 +113,7 @@ def test_past_and_future_sections_count_equally():
 
 
 def test_the_ratio_shrinks_with_the_weight_and_is_zero_without_any():
-    params = AppearanceParams(levels=6, doubt=20.0)
+    params = AppearanceParams(levels=6, texture_levels=1, doubt=20.0)
     sides = random_count(3)[:2]
     sure = colour_ratio(counted(*sides, weight=1e12), params)
     np.testing.assert_allclose(colour_ratio(counted(*sides, weight=20.0), params), sure / 2, rtol=1e-6)
