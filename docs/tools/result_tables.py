@@ -215,14 +215,11 @@ def _small_frames() -> Rows:
     return [("longer side", "J, as they are", "Fu", "J, enlarged", "Fu"), *cells]
 
 
-def _grey_videos() -> Rows:
-    texts = {"lightness": "lightness alone (`appearance.texture_scale=0`)", "texture": "lightness and texture"}
-    rows = ((text, f"{{grey-videos/{name}/J}}", f"{{grey-videos/{name}/F}}") for name, text in texts.items())
-    return [
-        ("histograms of", "J", "Fu"),
-        *rows,
-        ("of colour, as they are", "{davis-default/fused/J}", "{davis-default/fused/F}"),
-    ]
+def _texture() -> Rows:
+    texts = {"colour": "colour alone, 32 bins of each of L, a and b (before)", "both": "colour and texture"}
+    scores = [(shown, score) for shown in ("none", "grey") for score in ("J", "F")]
+    rows = ((text, *(f"{{texture/{name}/{shown}/{score}}}" for shown, score in scores)) for name, text in texts.items())
+    return [("histograms of", "J", "Fu", "J without colour", "Fu"), *rows]
 
 
 def _parts_of_learning() -> Rows:
@@ -335,7 +332,7 @@ TABLES = {
     "training-curve": _training_curve(),
     "network-sizes": _network_sizes(),
     "small-frames": _small_frames(),
-    "grey-videos": _grey_videos(),
+    "texture": _texture(),
     "networks-on-gpu": _networks_on_gpu(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "ed6e324e82c37d57",
-    "oc-depth": "c674fd7103a937e7",
-    "oc": "4dd71e43811ccf7c",
-    "trajs": "f66090ae647039fd",
-    "base": "b66181401d13fec2",
+    "fused": "55c8e9af9c4c5ee9",
+    "oc-depth": "e9c5fa24d0d29c79",
+    "oc": "4e6e8fc45fb87817",
+    "trajs": "fe736760e11894b3",
+    "base": "896ba7422a4a25de",
     "flow": "61179d2876494c21",
-    "tracks": "6ce0e716e3fadcc1",
+    "tracks": "decc9fac3765922a",
 }
 
 
@@ -100,7 +100,7 @@ def _tasks(refs):
         ({"accumulation__memory": 0.9}, BEHIND | FOREGROUND),
         ({"accumulation__reliability_floor": 0.2}, BEHIND | FOREGROUND),
         ({"own_motion__spread": 0.5}, BEHIND | FOREGROUND - {"accumulation", "motion_memory"}),
-        ({"appearance__levels": 16}, BEHIND | OBJECTS | {"appearance", "foreground"}),
+        ({"appearance__levels": 12}, BEHIND | OBJECTS | {"appearance", "foreground"}),
         ({"appearance__smoothing": 2.0}, BEHIND | OBJECTS | {"foreground"}),
         ({"foreground__threshold": 0.5}, BEHIND | FOREGROUND),
         ({"foreground__colour_weight": 0.5}, BEHIND | OBJECTS | {"foreground"}),
