@@ -216,7 +216,7 @@ def _small_frames() -> Rows:
 
 
 def _texture() -> Rows:
-    texts = {"colour": "colour alone, 32 bins of each of L, a and b (before)", "both": "colour and texture"}
+    texts = {"colour": "colour alone, 32 bins of each of L, a and b (default)", "both": "colour and texture, as above"}
     scores = [(shown, score) for shown in ("none", "grey") for score in ("J", "F")]
     rows = ((text, *(f"{{texture/{name}/{shown}/{score}}}" for shown, score in scores)) for name, text in texts.items())
     return [("histograms of", "J", "Fu", "J without colour", "Fu"), *rows]

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.units import Unit
@@ -11,12 +11,16 @@ from moseg.schemas.units import Unit
 class AppearanceParams(Frozen):
     """Histograms over CIELAB and texture of a section's moving and static pixels, and their ratio."""
 
-    levels: Annotated[int, Unit.BINS] = Field(16, ge=2, le=20, description="bins of each of L, a and b")
+    levels: Annotated[int, Unit.BINS] = Field(32, ge=2, le=40, description="bins of each of L, a and b")
     chroma_range: Annotated[float, Unit.GREY_LEVELS] = Field(
         96.0, gt=0, description="range of a and of b, around grey; values beyond are in the last bin"
     )
     texture_levels: Annotated[int, Unit.BINS] = Field(
-        8, ge=1, le=8, description="bins of the local deviation of L, whose bounds grow with their square"
+        1,
+        ge=1,
+        le=8,
+        description="bins of texture, the local deviation of L, which grow with it; 1: colour alone. All bins together "
+        "are at most 65536",
     )
     texture_range: Annotated[float, Unit.GREY_LEVELS] = Field(
         40.0, gt=0, description="deviation beyond which all are in the last bin"
@@ -37,7 +41,7 @@ class AppearanceParams(Frozen):
         1.0, ge=0, description="weight of the own-motion residual that is subtracted from the logit of moving"
     )
     smoothing: Annotated[float, Unit.BINS] = Field(
-        0.5, ge=0, description="sigma of the Gaussian over the histograms, bins of L, a and b"
+        1.0, ge=0, description="sigma of the Gaussian over the histograms, bins of L, a and b"
     )
     texture_smoothing: Annotated[float, Unit.BINS] = Field(
         0.7, ge=0, description="the same, bins of the local deviation"
@@ -53,3 +57,10 @@ class AppearanceParams(Frozen):
         0.985, ge=0, le=1, description="weight of other sections' colours, to the power of the frames between"
     )
     reach: Annotated[int, Unit.SECTIONS] = Field(4, ge=0, description="sections before and after whose colours count")
+
+    @model_validator(mode="after")
+    def _check_bins(self) -> "AppearanceParams":
+        """Refuse histograms of more bins than 16 bits count."""
+        if self.levels**3 * self.texture_levels > 2**16:
+            raise ValueError(f"{self.levels} levels and {self.texture_levels} of texture are more than 65536 bins")
+        return self

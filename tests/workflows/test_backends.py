@@ -42,10 +42,10 @@ def test_the_declaration_of_a_stage_is_consistent(stage):
 
 BY_PLACE = (
     *("score", "foreground", "object_hypotheses", "rigid_support", "segmentation"),
-    *("saliency", "motion_proof", "clustering"),
+    *("saliency", "motion_proof", "clustering", "filled_frame"),
 )
 """Stages whose method follows from what the sequence has, the kind of motion model, proposals, corrections,
-repeated frames, or scenes."""
+repeated frames, scenes, or what hides the scene."""
 
 
 def _choose(choice, backend):

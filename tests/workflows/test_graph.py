@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "55c8e9af9c4c5ee9",
-    "oc-depth": "e9c5fa24d0d29c79",
-    "oc": "4e6e8fc45fb87817",
-    "trajs": "fe736760e11894b3",
-    "base": "896ba7422a4a25de",
+    "fused": "f853db034135cb52",
+    "oc-depth": "0f7b7940a5f83f22",
+    "oc": "1618c8b13edbc0b1",
+    "trajs": "a7bdfb3a667a28c8",
+    "base": "c9f361da314918a6",
     "flow": "61179d2876494c21",
-    "tracks": "decc9fac3765922a",
+    "tracks": "38061966abca4398",
 }
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from moseg.schemas.parameters import AppearanceParams
 from moseg.tasks.appearance import colour_bins, histogram_shape
 
-PARAMS = AppearanceParams()
+PARAMS = AppearanceParams(levels=16, texture_levels=8)
 CORNERS = np.array([[[r, g, b] for r in (0, 255) for g in (0, 255) for b in (0, 255)]], np.uint8)
 
 
@@ -93,3 +93,8 @@ def test_the_image_is_left_as_it_was():
     image = CORNERS.copy()
     colour_bins(image, PARAMS)
     np.testing.assert_array_equal(image, CORNERS)
+
+
+def test_more_bins_than_16_bits_count_are_refused():
+    with pytest.raises(ValueError, match="40 levels and 2 of texture"):
+        AppearanceParams(levels=40, texture_levels=2)
