@@ -8,7 +8,7 @@ Polygon = Sequence[Sequence[int]]
 
 
 class ScreenGraphics(NamedTuple):
-    """Where a video shows graphics in place of the scene, in all of its frames.
+    """Places at which a video shows graphics instead of the scene, in all of its frames.
 
     Attributes
     ----------

@@ -47,7 +47,6 @@ def histogram_shape(params: AppearanceParams) -> tuple[int, int, int, int]:
 
 def _texture_bins(lightness: np.ndarray, params: AppearanceParams) -> np.ndarray:
     """Return the bin uint16 (y, x) of the standard deviation of L in a Gaussian window."""
-
     if params.texture_levels == 1:
         return np.zeros(lightness.shape, np.uint16)
 

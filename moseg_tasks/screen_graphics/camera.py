@@ -1,4 +1,4 @@
-"""How often a camera moves."""
+"""Motion of the background over pairs of frames: whether the camera moves."""
 
 from collections.abc import Sequence
 

@@ -1,6 +1,6 @@
 """Graphics drawn into a video's frames: edges that stand still in front of a scene that moves."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -59,7 +59,9 @@ def find_graphics(
     return ScreenGraphics(tuple(tuple(map(tuple, polygon.tolist())) for polygon in polygons))
 
 
-def _still_regions(edges: PersistentEdges, levels: np.ndarray, params: ScreenGraphicsParams, join: int):
+def _still_regions(
+    edges: PersistentEdges, levels: np.ndarray, params: ScreenGraphicsParams, join: int
+) -> Iterator[np.ndarray]:
     """Yield the surroundings bool (y, x) of persistent edges that belong together and do not move at all."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * join + 1, 2 * join + 1))
     _, labels = cv2.connectedComponents(cv2.dilate(edges.is_persistent.astype(np.uint8), disc))

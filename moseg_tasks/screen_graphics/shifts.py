@@ -12,7 +12,8 @@ _LEAST_CROSSING = 0.05
 def shifts(levels: np.ndarray, gradient: np.ndarray) -> np.ndarray | None:
     """Estimate the shift of a pattern in each frame from where it is in the median frame.
 
-    Brightness and contrast may change from frame to frame; pixels that show something else are given less weight.
+    Brightness and contrast may change from frame to frame: at 0.8 of the contrast a shift is found to be 0.8 of what
+    it is. Pixels that show something else are given less weight.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What hides the scene in a user's video, black bars and graphics, found before the rest of the graph is written.
+"""Black bars and graphics, which hide the scene of a user's video, found before the rest of the graph is written.
 
 The graph reads filled frames where there is any, so that a video without it has nothing of it in its keys.
 """
