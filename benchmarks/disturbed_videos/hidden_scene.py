@@ -1,5 +1,5 @@
 """Scores of a user's videos with black bars or graphics: ``python benchmarks/disturbed_videos/hidden_scene.py DAVIS
-[--sequences A,B] [--only pillars,graphics] [--json FILE]``.
+[--sequences A,B] [--only pillars graphics] [--json FILE]``.
 
 Each sequence of DAVIS-2016 is segmented as `segment_video` does it by default: as it is, with pillars, letterboxed, and
 with a logo and a clock, once with these left out and once with them as scene (``black_bars.fill`` and
@@ -40,7 +40,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("root", type=Path, metavar="DAVIS", help="folder of DAVIS-2016")
     parser.add_argument("--sequences", type=lambda names: names.split(","), help="names, separated by commas")
-    parser.add_argument("--only", type=lambda names: names.split(","), help="what hides the scene", default=HIDING)
+    parser.add_argument("--only", nargs="+", choices=HIDING, default=HIDING, help="what hides the scene")
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
     sequences = asked.sequences or sorted(path.name for path in (asked.root / TRUTHS).iterdir())

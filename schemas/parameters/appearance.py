@@ -62,5 +62,5 @@ class AppearanceParams(Frozen):
     def _check_bins(self) -> "AppearanceParams":
         """Refuse histograms of more bins than 16 bits count."""
         if self.levels**3 * self.texture_levels > 2**16:
-            raise ValueError(f"{self.levels} levels and {self.texture_levels} of texture are more than 65536 bins")
+            raise ValueError("levels and texture_levels of at most 65536 bins: levels^3 * texture_levels")
         return self

@@ -96,5 +96,5 @@ def test_the_image_is_left_as_it_was():
 
 
 def test_more_bins_than_16_bits_count_are_refused():
-    with pytest.raises(ValueError, match="40 levels and 2 of texture"):
+    with pytest.raises(ValueError, match="at most 65536 bins"):
         AppearanceParams(levels=40, texture_levels=2)
