@@ -216,7 +216,12 @@ def _small_frames() -> Rows:
 
 
 def _texture() -> Rows:
-    texts = {"colour": "colour alone, 32 bins of each of L, a and b (default)", "both": "colour and texture, as above"}
+    texts = {
+        "colour": "colour alone, 32 bins of each of L, a and b, sigma 1 bin",
+        "finer": "the same, sigma 0.7 bins",
+        "joint": "colour and texture in one histogram, 16 and 8 bins, sigma 0.5 bins of colour",
+        "default": "default",
+    }
     scores = [(shown, score) for shown in ("none", "grey") for score in ("J", "F")]
     rows = ((text, *(f"{{texture/{name}/{shown}/{score}}}" for shown, score in scores)) for name, text in texts.items())
     return [("histograms of", "J", "Fu", "J without colour", "Fu"), *rows]

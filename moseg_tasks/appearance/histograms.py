@@ -66,7 +66,9 @@ class ColourCount(NamedTuple):
     Attributes
     ----------
     moving, static : float64 (bin,)
-        Weights of the colours that move and of those in the background.
+        Weights of the colours and textures that move and of those in the background.
+    moving_textures, static_textures : float64 (bin,)
+        The same of colours that are on both sides of a frame: each colour has the same weight on both sides.
     reliability : float
         Summed flow consistency of salient pixels.
     weight : float
@@ -75,8 +77,39 @@ class ColourCount(NamedTuple):
 
     moving: np.ndarray
     static: np.ndarray
+    moving_textures: np.ndarray
+    static_textures: np.ndarray
     reliability: float
     weight: float
+
+
+def count_sides(bins: np.ndarray, moving: np.ndarray, static: np.ndarray, params: AppearanceParams) -> ColourCount:
+    """Count the colours and textures of pixels of one frame, whose weights on both sides are given.
+
+    A thing that comes near changes its texture, and a background does. Textures are therefore compared only in pixels
+    of one colour and one frame: of a colour with the weights m and s on the two sides, each side has the weight
+    m s / (m + s) in the counts of textures.
+
+    Parameters
+    ----------
+    bins : uint16 (pixel,)
+        Of `colour_bins`.
+    moving, static : float (pixel,)
+        Weights.
+    params : AppearanceParams
+
+    Returns
+    -------
+    ColourCount
+        Its `weight` is the sum of `moving`.
+    """
+    size = math.prod(histogram_shape(params))
+    sides = np.stack([np.bincount(bins, weights, size) for weights in (moving, static)])
+    by_texture = sides.reshape(2, -1, params.texture_levels)
+    colours = by_texture.sum(axis=2, keepdims=True)
+    shares = colours[::-1] / np.maximum(colours.sum(axis=0), np.finfo(float).tiny)
+    textures = (by_texture * shares).reshape(2, size)
+    return ColourCount(*sides, *textures, 0.0, float(sides[0].sum()))
 
 
 def count_colours(
@@ -114,12 +147,7 @@ def count_colours(
     moving = moves**params.moving_sharpness * reliability**2
     unreliable = np.float32(params.unreliable_static) * (1 - reliability)
     static = np.maximum((1 - moves) ** params.static_sharpness, unreliable)
-    size = math.prod(histogram_shape(params))
     salient = strict > foreground.threshold
     core = probability(logit[salient]) ** params.moving_sharpness
-    return ColourCount(
-        np.bincount(bins.ravel(), moving.ravel(), size),
-        np.bincount(bins.ravel(), static.ravel(), size),
-        float(core @ reliability[salient]),
-        float(core.sum()),
-    )
+    counted = count_sides(bins.ravel(), moving.ravel(), static.ravel(), params)
+    return counted._replace(reliability=float(core @ reliability[salient]), weight=float(core.sum()))

@@ -5,14 +5,13 @@ colour around decide; at the outline, colours and motion of the mask against tho
 follows the frame's edges.
 """
 
-import math
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from moseg.schemas.parameters import AppearanceParams, CarryingParams, RefinementParams
-from moseg.tasks.appearance import ColourCount, colour_bins, colour_ratio, histogram_shape
+from moseg.tasks.appearance import colour_bins, colour_ratio, count_sides
 from moseg.tasks.corrections.own_motion import strays_from_mask
 from moseg.tasks.frame_grid import frame_on_grid
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
@@ -72,10 +71,8 @@ def start_carrying(image: np.ndarray, mask: np.ndarray, grid: tuple[int, int], p
     side = 2 * params.carrying.surroundings + 1
     near = cv2.dilate((share > 0).astype(np.uint8), np.ones((side, side), np.uint8)) > 0
     bins, inside = _bins(frame_on_grid(image, grid), params)[near], share[near].astype(np.float64)
-    size = math.prod(histogram_shape(params.appearance))
-    counts = np.bincount(bins, inside, size), np.bincount(bins, 1 - inside, size)
-    ratio = colour_ratio(ColourCount(*counts, 0.0, float(inside.sum())), params.appearance)
-    return CarriedMask(share, ratio, float(inside.sum()))
+    counted = count_sides(bins, inside, 1 - inside, params.appearance)
+    return CarriedMask(share, colour_ratio(counted, params.appearance), counted.weight)
 
 
 def carry_mask(

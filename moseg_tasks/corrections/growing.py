@@ -1,6 +1,5 @@
 """An object grown from points in a frame: a region that moves apart from the background, or one of like colour."""
 
-import math
 from typing import NamedTuple
 
 import cv2
@@ -8,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 
 from moseg.schemas.parameters import AppearanceParams, GrowingParams, RefinementParams
-from moseg.tasks.appearance import ColourCount, colour_bins, colour_ratio, histogram_shape
+from moseg.tasks.appearance import colour_bins, colour_ratio, count_sides
 from moseg.tasks.frame_grid import frame_on_grid
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
 from moseg.tasks.saliency.grid import squared_length, vector_length
@@ -144,9 +143,8 @@ def _follow_colours(region: np.ndarray, reduced: np.ndarray, params: Grower) -> 
     refinement = params.refinement
     for _ in range(params.growing.rounds):
         near = cv2.dilate(region.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
-        size = math.prod(histogram_shape(params.appearance))
-        counts = (np.bincount(bins[near & each], minlength=size).astype(np.float64) for each in (region, ~region))
-        ratio = colour_ratio(ColourCount(*counts, 0.0, float(region.sum())), params.appearance)
+        inside = region[near].astype(np.float64)
+        ratio = colour_ratio(count_sides(bins[near], inside, 1 - inside, params.appearance), params.appearance)
         soft = cv2.GaussianBlur(region.astype(np.float32), (0, 0), params.growing.band)
         odds = np.clip(soft, _SURE, 1 - _SURE)
         odds = odds / (1 - odds) * cv2.exp(np.float32(params.growing.colour_weight) * ratio[bins])

@@ -11,12 +11,12 @@ from moseg.schemas.units import Unit
 class AppearanceParams(Frozen):
     """Histograms over CIELAB and texture of a section's moving and static pixels, and their ratio."""
 
-    levels: Annotated[int, Unit.BINS] = Field(32, ge=2, le=40, description="bins of each of L, a and b")
+    levels: Annotated[int, Unit.BINS] = Field(16, ge=2, le=40, description="bins of each of L, a and b")
     chroma_range: Annotated[float, Unit.GREY_LEVELS] = Field(
         96.0, gt=0, description="range of a and of b, around grey; values beyond are in the last bin"
     )
     texture_levels: Annotated[int, Unit.BINS] = Field(
-        1,
+        8,
         ge=1,
         le=8,
         description="bins of texture, the local deviation of L, which grow with it; 1: colour alone. All bins together "
@@ -41,7 +41,7 @@ class AppearanceParams(Frozen):
         1.0, ge=0, description="weight of the own-motion residual that is subtracted from the logit of moving"
     )
     smoothing: Annotated[float, Unit.BINS] = Field(
-        1.0, ge=0, description="sigma of the Gaussian over the histograms, bins of L, a and b"
+        0.35, ge=0, description="sigma of the Gaussian over the histograms, bins of L, a and b"
     )
     texture_smoothing: Annotated[float, Unit.BINS] = Field(
         0.7, ge=0, description="the same, bins of the local deviation"
@@ -51,6 +51,12 @@ class AppearanceParams(Frozen):
     )
     doubt: Annotated[float, Unit.PIXELS] = Field(
         20.0, ge=0, description="summed weight of moving pixels, px, at which their colours count half"
+    )
+    texture_doubt: Annotated[float, Unit.PIXELS] = Field(
+        3.0,
+        gt=0,
+        description="summed weight of the pixels of a colour on both sides of a frame, px, at which its textures count "
+        "half",
     )
     clip: Annotated[float, Unit.NATS] = Field(4.0, gt=0, description="largest log ratio")
     memory: Annotated[float, Unit.RATIO] = Field(

@@ -11,6 +11,7 @@ from PIL import Image
 from moseg.schemas.parameters import FlowParams
 from moseg.store import open_store
 from moseg.tasks.flow import estimate_flow
+from moseg.workflows.stages.flow import STAGE as FLOW
 
 SECTIONS = ("--section-length", "4", "--set", "sections.overlap=2")
 NUM_FRAMES, HEIGHT, WIDTH = 10, 96, 128
@@ -30,13 +31,15 @@ def frames(squares):
 
 @pytest.fixture(scope="module")
 def estimated(frames):
-    """Return the flow that the pipeline estimates, forward and backward, float32 (pair, y, x, 2)."""
+    """Return the flow that the pipeline estimates and keeps, forward and backward, float32 (pair, y, x, 2)."""
     images = [np.asarray(Image.open(path)) for path in sorted(frames.iterdir())]
     pairs = list(pairwise(images))
-    return {
+    step = np.float32(FLOW.arrays["flow"].step)
+    flows = {
         FORWARD: np.stack([estimate_flow(image0, image1, OF_FRAMES) for image0, image1 in pairs]),
         BACKWARD: np.stack([estimate_flow(image1, image0, OF_FRAMES) for image0, image1 in pairs]),
     }
+    return {direction: np.rint(flow / step) * step for direction, flow in flows.items()}
 
 
 def _save_npy(path, flow):

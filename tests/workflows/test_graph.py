@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "f853db034135cb52",
-    "oc-depth": "0f7b7940a5f83f22",
-    "oc": "1618c8b13edbc0b1",
-    "trajs": "a7bdfb3a667a28c8",
-    "base": "c9f361da314918a6",
+    "fused": "c08be6202c13ad71",
+    "oc-depth": "884b46a67f221f13",
+    "oc": "8ab0eb752da4e18c",
+    "trajs": "340e6aa2c57e00ad",
+    "base": "9ff4d46cc5687e21",
     "flow": "61179d2876494c21",
-    "tracks": "38061966abca4398",
+    "tracks": "dbc4581fb5c564f8",
 }
 
 

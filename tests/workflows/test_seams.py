@@ -114,7 +114,9 @@ def test_masks_do_not_grow_or_shrink_at_a_cut(runs):
     cut, whole = ((runs[length]["labels"] > 0).sum(axis=(1, 2)) for length in (SHORT, WHOLE))
     steps = {t: abs(after - before) for t, (before, after) in enumerate(pairwise(cut - whole), start=1)}
     at_cuts = [steps.pop(t) for t in BORDERS]
-    assert max(at_cuts) <= max(steps.values())
+    # A few pixels of one frame may flip anywhere.
+    flipped = 0.01 * whole.mean()
+    assert max(at_cuts) <= max(*steps.values(), flipped)
 
 
 def test_an_object_keeps_its_identity_through_all_cuts(runs):

@@ -1,4 +1,4 @@
-"""Appearance: colours of a section's moving and static pixels."""
+"""Appearance: colours and textures of a section's moving and static pixels."""
 
 import numpy as np
 
@@ -10,7 +10,9 @@ from moseg.workflows.stages.reduced_frame import reduced_levels
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
-RATIO_PARAMS = frozenset({"smoothing", "texture_smoothing", "floor", "doubt", "clip", "memory", "reach"})
+RATIO_PARAMS = frozenset(
+    {"smoothing", "texture_smoothing", "floor", "doubt", "texture_doubt", "clip", "memory", "reach"}
+)
 """Parameters of the appearance that only the foreground reads."""
 
 
@@ -25,9 +27,9 @@ def _run(params, inputs, rng):
     for frame, maps, misfit in zip(inputs.all("frames"), accumulated, misfits, strict=True):
         bins.append(colour_bins(reduced_levels(frame, misfit.shape), appearance))
         counts.append(count_colours(bins[-1], *maps, misfit, appearance, foreground))
-    histograms = np.stack([sum(count.moving for count in counts), sum(count.static for count in counts)])
-    totals = {name: sum(getattr(count, name) for count in counts) for name in ("reliability", "weight")}
-    return Output({"bins": np.stack(bins), "histograms": histograms.astype(np.float32)}, totals)
+    *histograms, reliability, weight = (sum(parts) for parts in zip(*counts, strict=True))
+    arrays = {"bins": np.stack(bins), "histograms": np.stack(histograms).astype(np.float32)}
+    return Output(arrays, {"reliability": reliability, "weight": weight})
 
 
 def _params(config: PipelineConfig) -> dict:
@@ -37,11 +39,11 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=2, run=_run, params=_params, is_cue=True)
+COLOUR_HISTOGRAMS = Task("appearance", "lab-histograms", version=3, run=_run, params=_params, is_cue=True)
 
 STAGE = Stage(
     name="appearance",
-    about="colours of a section's moving and static pixels",
+    about="colours and textures of a section's moving and static pixels",
     inputs={
         "frames": "frames of the section",
         "accumulation_past": "saliency accumulated from the past",
@@ -50,8 +52,8 @@ STAGE = Stage(
         "coherence_future": "deviations accumulated from the future",
     },
     arrays={
-        "bins": layout("uint16", "frame y x", "bin of CIELAB"),
-        "histograms": layout("float32", "side bin", "weight of what moves, of the background"),
+        "bins": layout("uint16", "frame y x", "bin of CIELAB and texture"),
+        "histograms": layout("float32", "side bin", "weights of both sides, and of colours on both sides"),
     },
     tasks=(COLOUR_HISTOGRAMS,),
 )

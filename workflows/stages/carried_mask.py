@@ -14,7 +14,7 @@ from moseg.workflows.stages.task import Output, Task
 
 COLOUR_PARAMS = frozenset(
     {"levels", "chroma_range", "texture_levels", "texture_range", "texture_scale"}
-    | {"smoothing", "texture_smoothing", "floor", "doubt", "clip"}
+    | {"smoothing", "texture_smoothing", "floor", "doubt", "texture_doubt", "clip"}
 )
 """Parameters of appearance that the colours of a mask read."""
 
@@ -139,9 +139,9 @@ def _continued_params(config: PipelineConfig, origin: str) -> dict:
     return {"from": origin, **_read(config)}
 
 
-STROKES = Task("carried_mask", "strokes", version=3, run=_run_strokes, params=_stroke_params)
-GROWN = Task("carried_mask", "grown", version=3, run=_run_grown, params=_grown_params)
-CONTINUED = Task("carried_mask", "continued", version=3, run=_run_continued, params=_continued_params)
+STROKES = Task("carried_mask", "strokes", version=4, run=_run_strokes, params=_stroke_params)
+GROWN = Task("carried_mask", "grown", version=4, run=_run_grown, params=_grown_params)
+CONTINUED = Task("carried_mask", "continued", version=4, run=_run_continued, params=_continued_params)
 
 STAGE = Stage(
     name="carried_mask",

@@ -70,8 +70,8 @@ def _run_video_network(params, inputs, rng):
 def _read_count(section):
     from moseg.tasks.appearance import ColourCount
 
-    moving, static = section.array("histograms").astype(np.float64)
-    return ColourCount(moving, static, section.attributes["reliability"], section.attributes["weight"])
+    histograms, totals = section.array("histograms").astype(np.float64), section.attributes
+    return ColourCount(*histograms, totals["reliability"], totals["weight"])
 
 
 def _blend(look, centres, own, frame):
@@ -99,7 +99,7 @@ def _network_params(config: PipelineConfig) -> dict:
     return {"video_network": config.video_network.model_dump(mode="json", include=ADDITION_PARAMS)}
 
 
-MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=4, run=_run, params=_params, is_cue=True)
+MOTION_AND_COLOUR = Task("foreground", "motion-and-colour", version=5, run=_run, params=_params, is_cue=True)
 VIDEO_NETWORK = Task("foreground", "video-network", version=2, run=_run_video_network, params=_network_params)
 
 STAGE = Stage(

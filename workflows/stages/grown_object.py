@@ -61,7 +61,7 @@ def _sam2_params(config: PipelineConfig, growing: Growing, frame_size: tuple[int
     return _at(growing, frame_size)
 
 
-REGION = Task("grown_object", "region", version=2, run=_run_region, params=_region_params)
+REGION = Task("grown_object", "region", version=3, run=_run_region, params=_region_params)
 SAM2 = Task(
     "grown_object",
     "sam2",

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg.schemas.parameters import AppearanceParams, ForegroundParams
-from moseg.tasks.appearance import count_colours
+from moseg.tasks.appearance import count_colours, count_sides
 
 PARAMS = AppearanceParams(texture_levels=1, levels=4)
 FOREGROUND = ForegroundParams()
@@ -48,7 +48,7 @@ def test_counts_of_the_parts_of_a_frame_add_up_to_those_of_the_whole(seed, cut):
     parts = [
         count_colours(*(each[rows] for each in frame), PARAMS, FOREGROUND) for rows in np.split(np.arange(6), [cut])
     ]
-    for name in whole._fields:
+    for name in ("moving", "static", "reliability", "weight"):
         total = sum(getattr(part, name) for part in parts)
         np.testing.assert_allclose(total, getattr(whole, name), rtol=1e-5, atol=1e-6)
 
@@ -100,3 +100,47 @@ def test_the_usual_reliability_is_that_of_what_is_salient_only():
 def test_frames_without_salient_pixels_do_not_count_for_the_usual_reliability(strict):
     found = count(np.zeros((1, 1), np.uint16), strict)
     assert found.reliability == found.weight == 0.0 and found.moving.sum() < 0.05 < found.static.sum()
+
+
+TEXTURED = AppearanceParams(texture_levels=4, levels=2)
+RED, GREEN = 5, 2  # of the eight colours
+SMOOTH, ROUGH = 0, 3  # textures
+
+
+def count_pixels(*pixels) -> dict[str, np.ndarray]:
+    """Count pixels of one frame, each (colour, texture, moves, static); return both counts of textures by colour."""
+    colours, textures, moving, static = np.array(pixels).T
+    bins = (colours * TEXTURED.texture_levels + textures).astype(np.uint16)
+    found = count_sides(bins, moving, static, TEXTURED)
+    return {
+        side: getattr(found, f"{side}_textures").reshape(-1, TEXTURED.texture_levels) for side in ("moving", "static")
+    }
+
+
+def test_textures_count_of_colours_that_move_and_rest_in_one_frame():
+    found = count_pixels((RED, ROUGH, 6, 0), (RED, SMOOTH, 0, 3), (GREEN, SMOOTH, 5, 0))
+    np.testing.assert_allclose(found["moving"][RED], [0, 0, 0, 2])
+    np.testing.assert_allclose(found["static"][RED], [2, 0, 0, 0])
+    assert not found["moving"][GREEN].any() and not found["static"][GREEN].any()
+
+
+def test_a_thing_that_changes_its_texture_between_frames_is_not_compared_with_itself():
+    far, near = count_pixels((RED, ROUGH, 6, 0)), count_pixels((RED, SMOOTH, 0, 6))
+    assert not any(side.any() for side in (*far.values(), *near.values()))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 1000))
+def test_a_colour_has_the_same_weight_on_both_sides_of_the_counts_of_textures(seed):
+    rng = np.random.default_rng(seed)
+    pixels = np.stack([rng.integers(0, 8, 30), rng.integers(0, 4, 30), *rng.exponential(size=(2, 30))], axis=1)
+    pixels[:, 2:] *= rng.random((30, 2)) > 0.4
+    found = count_pixels(*pixels)
+    moving, static = (np.bincount(pixels[:, 0].astype(int), pixels[:, side], 8) for side in (2, 3))
+    expected = moving * static / np.maximum(moving + static, 1e-9)
+    for side, column in (("moving", 2), ("static", 3)):
+        np.testing.assert_allclose(found[side].sum(axis=1), expected, atol=1e-9)
+        texture = pixels[:, 0] * TEXTURED.texture_levels + pixels[:, 1]
+        counts = np.bincount(texture.astype(int), pixels[:, column], 32).reshape(8, 4)
+        shares = counts * expected[:, None] / np.maximum(counts.sum(axis=1, keepdims=True), 1e-9)
+        np.testing.assert_allclose(found[side], shares, atol=1e-9)

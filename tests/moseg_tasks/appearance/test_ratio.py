@@ -13,13 +13,19 @@ SIZE = math.prod(histogram_shape(PARAMS))
 EMPTY = np.zeros(SIZE)
 
 
-def counted(moving, static, reliability=0.0, weight=1.0) -> ColourCount:
-    return ColourCount(np.asarray(moving, np.float64), np.asarray(static, np.float64), reliability, weight)
+def counted(moving, static, reliability=0.0, weight=1.0, textures=None) -> ColourCount:
+    sides = np.asarray([moving, static], np.float64)
+    return ColourCount(*sides, *(np.zeros_like(sides) if textures is None else textures), reliability, weight)
 
 
-def random_count(seed: int) -> ColourCount:
+def random_count(seed: int, params: AppearanceParams = PARAMS) -> ColourCount:
+    """Return a random count whose textures have colours of the same weight on both sides."""
     rng = np.random.default_rng(seed)
-    return counted(*rng.exponential(5, (2, SIZE)) * (rng.random((2, SIZE)) > 0.5), *rng.random(2))
+    shape = histogram_shape(params)
+    sides, textures = rng.exponential(5, (2, 2, *shape))
+    sides *= rng.random(sides.shape) > 0.5
+    textures *= rng.random(shape[:3])[..., None] / textures.sum(axis=-1, keepdims=True)
+    return counted(*sides.reshape(2, -1), *rng.random(2), textures.reshape(2, -1))
 
 
 def one_colour(index: int, amount: float = 1.0) -> np.ndarray:
@@ -27,11 +33,12 @@ def one_colour(index: int, amount: float = 1.0) -> np.ndarray:
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, 1000))
-def test_swapping_the_sides_turns_the_sign(seed):
-    count = random_count(seed)
-    swapped = counted(count.static, count.moving)
-    np.testing.assert_array_equal(colour_ratio(swapped, PARAMS), -colour_ratio(count, PARAMS))
+@given(st.integers(0, 1000), st.sampled_from([1, 4]))
+def test_swapping_the_sides_turns_the_sign(seed, texture_levels):
+    params = PARAMS.model_copy(update={"texture_levels": texture_levels})
+    count = random_count(seed, params)
+    swapped = counted(count.static, count.moving, textures=(count.static_textures, count.moving_textures))
+    np.testing.assert_allclose(colour_ratio(swapped, params), -colour_ratio(count, params), atol=1e-6)
 
 
 @settings(max_examples=20, deadline=None)
@@ -78,12 +85,53 @@ def test_neighbouring_colours_share_what_is_learnt():
     assert sharp[middle] > 0 > sharp[middle + 1]
 
 
+def textured(moving, static, **settings) -> np.ndarray:
+    """Return the ratio of textures 0 to 3 of a colour that is as usual in what moves as in the background.
+
+    `moving` and `static` are the counts of these textures in frames that have the colour on both sides.
+    """
+    params = PARAMS.model_copy(update={"texture_levels": 4, "smoothing": 0.0, "texture_smoothing": 0.0, **settings})
+    textures = np.zeros((2, *histogram_shape(params)))
+    textures[:, 3, 3, 3] = moving, static
+    everywhere = np.ones((2, textures[0].size))
+    ratio = colour_ratio(counted(*everywhere, textures=textures.reshape(2, -1)), params).reshape(textures.shape[1:])
+    assert not ratio[:3].any() and not ratio[4:].any()
+    return ratio[3, 3, 3]
+
+
+def test_textures_tell_apart_what_has_one_colour():
+    found = textured([8, 2, 0, 0], [2, 8, 0, 0], texture_doubt=4.0)
+    np.testing.assert_allclose(found, [np.log(10 / 4), np.log(4 / 10), 0, 0], rtol=1e-6)
+
+
+def test_few_pixels_of_a_colour_say_little_about_its_textures():
+    few, many, very_many = (textured([9 * n, n, 0, 0], [n, 9 * n, 0, 0])[0] for n in (1e-3, 1, 1e6))
+    assert 0 < few < 0.05 and 0.5 < many < np.log(9) and very_many == pytest.approx(np.log(9), rel=1e-4)
+
+
+def test_a_texture_that_only_one_side_has_says_the_more_the_more_pixels_show_it():
+    found = [textured([n, 0, 0, 0], [0, n, 0, 0], texture_doubt=2.0)[:2] for n in (1, 10, 100)]
+    for count, (moves, rests) in zip((1, 10, 100), found, strict=True):
+        assert moves == pytest.approx(min(np.log(1 + count), PARAMS.clip), rel=1e-5) and rests == -moves
+
+
 def test_a_colour_has_neighbours_in_texture_too():
-    params = PARAMS.model_copy(update={"texture_levels": 8, "texture_smoothing": 0.7})
-    learnt, all_bins = np.zeros((2, *histogram_shape(params)))
-    learnt[3, 3, 3, 4], all_bins[:] = 1, 1
-    ratio = colour_ratio(counted(learnt.ravel(), all_bins.ravel()), params).reshape(learnt.shape)[3, 3, 3]
-    assert ratio.argmax() == 4 and ratio[3] > ratio[2] > ratio[0]
+    apart = textured([0, 0, 0, 8], [8, 0, 0, 0])
+    near = textured([0, 0, 0, 8], [8, 0, 0, 0], texture_smoothing=0.7)
+    assert apart[1] == apart[2] == 0 and near[3] > near[2] > 0 > near[1] > near[0]
+
+
+def test_colour_and_texture_add_up():
+    params = PARAMS.model_copy(update={"texture_levels": 4, "smoothing": 0.0, "texture_smoothing": 0.0})
+    sides, textures = np.full((2, 2, *histogram_shape(params)), 1e-3)
+    sides[0, 3, 3, 3], sides[1, 3, 3, 3] = 3, 1
+    textures[:] = 0
+    textures[:, 3, 3, 3] = [[1e6, 3e6, 0, 0], [3e6, 1e6, 0, 0]]
+    ratio = colour_ratio(counted(*sides.reshape(2, -1), textures=textures.reshape(2, -1)), params)
+    shares = sides.reshape(2, -1) / sides.reshape(2, -1).sum(axis=1, keepdims=True)
+    colour = np.log(shares[0].reshape(sides[0].shape)[3, 3, 3, 0] / shares[1].reshape(sides[0].shape)[3, 3, 3, 0])
+    expected = [colour - np.log(3), colour + np.log(3), colour, colour]
+    np.testing.assert_allclose(ratio.reshape(sides[0].shape)[3, 3, 3], expected, atol=1e-3)
 
 
 @settings(max_examples=20, deadline=None)
