@@ -218,7 +218,6 @@ def _small_frames() -> Rows:
 def _texture() -> Rows:
     texts = {
         "colour": "colour alone, 32 bins of each of L, a and b, sigma 1 bin",
-        "finer": "the same, sigma 0.7 bins",
         "joint": "colour and texture in one histogram, 16 and 8 bins, sigma 0.5 bins of colour",
         "default": "default",
     }
