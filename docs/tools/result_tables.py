@@ -309,7 +309,7 @@ TABLES = {
                 f"`{quality}`",
                 f"{{davis-{quality}/fused/J}}",
                 f"{{davis-{quality}/fused/F}}",
-                f"{{davis-{quality}/seconds_a_frame:.2f}}",
+                f"{{quality-times/{quality}:.2f}}",
             )
             for quality in QUALITIES
         ),
