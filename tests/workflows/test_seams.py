@@ -1,7 +1,6 @@
 """Results do not depend on where a video is cut into sections, or only within a bound."""
 
 from functools import partial
-from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -112,11 +111,13 @@ def test_masks_are_the_same_for_any_cuts(runs):
 
 def test_masks_do_not_grow_or_shrink_at_a_cut(runs):
     cut, whole = ((runs[length]["labels"] > 0).sum(axis=(1, 2)) for length in (SHORT, WHOLE))
-    steps = {t: abs(after - before) for t, (before, after) in enumerate(pairwise(cut - whole), start=1)}
+    change = cut - whole
+    # Pixels that flip in a single frame are no growth: a step lasts if it is there between the frames around too.
+    steps = {
+        t: min(abs(change[t] - change[t - 1]), abs(change[t + 1] - change[t - 2])) for t in range(2, NUM_FRAMES - 1)
+    }
     at_cuts = [steps.pop(t) for t in BORDERS]
-    # A few pixels of one frame may flip anywhere.
-    flipped = 0.01 * whole.mean()
-    assert max(at_cuts) <= max(*steps.values(), flipped)
+    assert max(at_cuts) <= max(steps.values())
 
 
 def test_an_object_keeps_its_identity_through_all_cuts(runs):
