@@ -189,6 +189,24 @@ def test_sliders_that_move_at_once_both_keep_their_last_value(serve_video, open_
     assert settings == {"clustering.threshold": 0.8, "moving_objects.min_area": 0.008}
 
 
+def test_a_slider_does_not_jump_back_to_a_value_before_its_last(serve_video, open_page):
+    page = open_page(serve_video())
+    page.evaluate(
+        """() => {
+          const slider = () => document.querySelector("[data-setting='clustering.threshold']");
+          window.shown = [];
+          new MutationObserver(() => window.shown.push(slider().value)).observe(
+            document.getElementById("settings"), { childList: true });
+          for (const value of [0.6, 0.8]) {
+            slider().value = value;
+            slider().dispatchEvent(new Event("input", { bubbles: true }));
+          }
+        }"""
+    )
+    page.wait_until(f"{VALUES}.then((found) => found[1] === 0.8) && window.shown.length > 0")
+    assert set(page.evaluate("window.shown")) == {"0.8"}
+
+
 def test_a_key_that_is_held_on_a_slider_is_one_step(serve_video, open_page):
     page = open_page(serve_video())
     page.locator("[data-setting='clustering.threshold']").focus()

@@ -44,6 +44,9 @@ export const redo = () => send("redo", {}, "done again");
 const waiting = new Map();
 let isSending = false;
 
+// True while a value has been chosen that the server has not been sent: what it answers now is older.
+export const isSettingWaiting = () => waiting.size > 0;
+
 export const sendSetting = async (name, value, gesture) => {
   waiting.set(name, { name, value, gesture });
   if (isSending) return;

@@ -1,7 +1,7 @@
 // Settings in place of the run's: the result follows while a slider moves.
 
 import { announce, find, make, refill } from "./elements.js";
-import { sendSetting } from "./edits.js";
+import { isSettingWaiting, sendSetting } from "./edits.js";
 import { on, result } from "./model.js";
 
 const page = Math.random(); // another tab, or this page loaded anew, has other gestures
@@ -82,8 +82,8 @@ const makeReset = (setting) =>
 const draw = () => {
   const shown = result();
   if (!shown) return;
-  // A slider that is held must not be replaced under the hand.
-  if (isHeld && drawn === shown.source) {
+  // A slider that is held must not be replaced under the hand, nor may one jump back to a value before its last.
+  if ((isHeld || isSettingWaiting()) && drawn === shown.source) {
     for (const setting of shown.settings) {
       const reset = find("settings").querySelector(`[data-key="reset-${CSS.escape(setting.name)}"]`);
       if (reset) reset.disabled = !setting.isChanged;
