@@ -40,6 +40,7 @@ from moseg.schemas.parameters import (
     InstanceParams,
     KernelParams,
     LinkingParams,
+    LocalColourParams,
     MotionMemoryParams,
     MotionNetworkParams,
     MotionPromptParams,
@@ -182,6 +183,7 @@ class PipelineConfig(Frozen):
     screen_graphics: ScreenGraphicsParams = ScreenGraphicsParams()
     scene_cuts: SceneCutParams = SceneCutParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
+    local_colours: LocalColourParams = LocalColourParams()
     refinement: RefinementParams = RefinementParams()
     track_window: TrackWindowParams = TrackWindowParams()
     track_field: TrackFieldParams = TrackFieldParams()

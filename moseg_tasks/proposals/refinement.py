@@ -3,16 +3,22 @@
 import cv2
 import numpy as np
 
-from moseg.schemas.parameters import RefinementParams
-from moseg.tasks.frame_grid import frame_on_grid
+from moseg.schemas.parameters import LocalColourParams, RefinementParams
+from moseg.tasks.frame_grid import resample
 from moseg.tasks.proposals.components import FOREGROUND
 from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coefficients
+from moseg.tasks.proposals.local_colours import local_colour_ratio
+from moseg.tasks.saliency.logits import logit, probability
 
 _MARGIN = 4  # cells around the objects that are processed, in addition to the filter's two windows
 
 
 def refine_outlines(
-    frame: np.ndarray, labels: np.ndarray, foreground: np.ndarray, params: RefinementParams
+    frame: np.ndarray,
+    labels: np.ndarray,
+    foreground: np.ndarray,
+    params: RefinementParams,
+    colours: LocalColourParams,
 ) -> np.ndarray:
     """Return the objects of a frame at its full size.
 
@@ -25,6 +31,7 @@ def refine_outlines(
     foreground : float32 (h, w)
         Probability to move, 0..1.
     params : RefinementParams
+    colours : LocalColourParams
 
     Returns
     -------
@@ -46,7 +53,11 @@ def refine_outlines(
     near = labels[window]
     # Foreground of no object, such as a dropped component, must not leak into an object.
     kept = np.where((near > 0) | (foreground[window] <= FOREGROUND), foreground[window], 0).astype(np.float32)
-    guide = frame_on_grid(part, near.shape) * np.float32(1 / 255)
+    image = resample(part, near.shape)
+    if colours.share:
+        ratio = local_colour_ratio(image, foreground[window], near > 0, colours)
+        kept = probability(logit(kept) + np.float32(colours.share) * ratio)
+    guide = image * np.float32(1 / 255)
     slope, offset = guided_coefficients(guide, kept, params.radius, params.smoothness)
     soft = apply_coefficients(part.astype(np.float32) * np.float32(1 / 255), slope, offset)
     nearest = cv2.resize(_grow(near), part.shape[1::-1], interpolation=cv2.INTER_NEAREST)

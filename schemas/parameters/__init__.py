@@ -26,6 +26,7 @@ from moseg.schemas.parameters.growing import GrowingParams
 from moseg.schemas.parameters.identity import IdentityParams
 from moseg.schemas.parameters.instances import InstanceParams, SeedParams
 from moseg.schemas.parameters.linking import LinkingParams
+from moseg.schemas.parameters.local_colours import LocalColourParams
 from moseg.schemas.parameters.motion_memory import MotionMemoryParams
 from moseg.schemas.parameters.motion_network import MotionNetworkParams
 from moseg.schemas.parameters.motion_prompts import MotionPromptParams
@@ -113,6 +114,7 @@ __all__ = [
     "InstanceParams",
     "KernelParams",
     "LinkingParams",
+    "LocalColourParams",
     "MotionCountParams",
     "MotionMemoryParams",
     "MotionNetworkParams",

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "c08be6202c13ad71",
-    "oc-depth": "884b46a67f221f13",
-    "oc": "8ab0eb752da4e18c",
-    "trajs": "340e6aa2c57e00ad",
-    "base": "9ff4d46cc5687e21",
+    "fused": "5c0c0e702e1e8e1c",
+    "oc-depth": "bc47d3e89beb4e46",
+    "oc": "53a88bd52c35373d",
+    "trajs": "c498dc92fc38ccd1",
+    "base": "a35ea8bb73cf9dc5",
     "flow": "61179d2876494c21",
-    "tracks": "dbc4581fb5c564f8",
+    "tracks": "1994cc581b256bdd",
 }
 
 

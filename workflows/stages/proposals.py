@@ -10,6 +10,7 @@ from moseg.schemas.configs import MOTION_SOURCES, TRACKED_SOURCES, PipelineConfi
 from moseg.schemas.parameters import (
     DeaotParams,
     EdgeTamParams,
+    LocalColourParams,
     RefinementParams,
     Sam2Params,
     Sam3Params,
@@ -35,12 +36,13 @@ def _run_saliency(params, inputs, rng):
     from moseg.tasks.proposals.refinement import refine_outlines
 
     refinement = RefinementParams.of_recipe(params["refinement"])
+    colours = LocalColourParams.of_recipe(params["local_colours"])
     components, frames = inputs["components"], inputs.all("frames")
     labels, scores = components.array("labels"), components.array("scores")
     foreground = join_rows(inputs.all("foreground"), "foreground", len(labels))
     masks = np.stack(
         [
-            refine_outlines(frame.cached("image"), objects, to_float32(probability), refinement)
+            refine_outlines(frame.cached("image"), objects, to_float32(probability), refinement, colours)
             for frame, objects, probability in zip(frames, labels, foreground, strict=True)
         ]
     )
@@ -171,7 +173,7 @@ def _run_inside(params, inputs, rng):
 
 
 def _saliency_params(config: PipelineConfig) -> dict:
-    return {"refinement": config.refinement.model_dump(mode="json")}
+    return {name: getattr(config, name).model_dump(mode="json") for name in ("refinement", "local_colours")}
 
 
 def _track_params(config: PipelineConfig, start: int, section: int) -> dict:
@@ -220,7 +222,7 @@ def _method(config: PipelineConfig) -> str:
     return config.proposal_source if config.proposal_source in MOTION_SOURCES else "given"
 
 
-SALIENCY = Task("proposals", "saliency", version=2, run=_run_saliency, params=_saliency_params)
+SALIENCY = Task("proposals", "saliency", version=3, run=_run_saliency, params=_saliency_params)
 DENSE_TRACKS = Task("proposals", "tracks", version=2, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)

@@ -13,6 +13,7 @@ from moseg.schemas.parameters import (
     ComponentParams,
     FlowParams,
     ForegroundParams,
+    LocalColourParams,
     OwnMotionParams,
     RefinementParams,
     SaliencyParams,
@@ -78,7 +79,7 @@ def propose(images: list[np.ndarray]) -> np.ndarray:
     foreground = np.stack(foreground)
     labels = keep_best(foreground, label_components(foreground, ComponentParams()), ComponentParams()).labels
     outlines = zip(images, labels, foreground, strict=True)
-    return np.stack([refine_outlines(*each, RefinementParams()) for each in outlines])
+    return np.stack([refine_outlines(*each, RefinementParams(), LocalColourParams()) for each in outlines])
 
 
 def find_salient(images: list[np.ndarray]) -> list:
