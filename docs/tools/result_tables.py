@@ -219,11 +219,26 @@ def _texture() -> Rows:
     texts = {
         "colour": "colour alone, 32 bins of each of L, a and b, sigma 1 bin",
         "joint": "colour and texture in one histogram, 16 and 8 bins, sigma 0.5 bins of colour",
-        "default": "default",
+        "default": "textures compared in one colour and one frame, sigma 0.35 bins of colour",
     }
     scores = [(shown, score) for shown in ("none", "grey") for score in ("J", "F")]
     rows = ((text, *(f"{{texture/{name}/{shown}/{score}}}" for shown, score in scores)) for name, text in texts.items())
     return [("histograms of", "J", "Fu", "J without colour", "Fu"), *rows]
+
+
+def _local_colours() -> Rows:
+    texts = {
+        "fast": "`--quality fast`",
+        "default": "default",
+        "best": "`--quality best`",
+        "no-network": "`--set motion_network.use=never`",
+    }
+    sides = ("local-colours/without/{0}", "davis-{0}/fused")
+    rows = (
+        (text, *(f"{{{side.format(name)}/{score}}}" for side in sides for score in ("J", "F")))
+        for name, text in texts.items()
+    )
+    return [("", "J without", "Fu", "J with", "Fu"), *rows]
 
 
 def _parts_of_learning() -> Rows:
@@ -337,6 +352,7 @@ TABLES = {
     "network-sizes": _network_sizes(),
     "small-frames": _small_frames(),
     "texture": _texture(),
+    "local-colours": _local_colours(),
     "networks-on-gpu": _networks_on_gpu(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,
