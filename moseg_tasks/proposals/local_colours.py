@@ -14,7 +14,11 @@ _TINY = np.finfo(np.float32).tiny
 
 
 def local_colour_ratio(
-    image: np.ndarray, foreground: np.ndarray, is_object: np.ndarray, params: LocalColourParams
+    image: np.ndarray,
+    foreground: np.ndarray,
+    is_object: np.ndarray,
+    params: LocalColourParams,
+    origin: tuple[int, int] = (0, 0),
 ) -> np.ndarray:
     """Return how much more frequent each pixel's colour is in the objects around it than in the background around it.
 
@@ -29,6 +33,9 @@ def local_colour_ratio(
         below a half among those of the background, with the weight (2 p - 1)^2.
     is_object : bool (y, x)
     params : LocalColourParams
+    origin : (y, x)
+        Place of the image in the frame's grid, px. Colours are counted in cells of that grid, so that an object does
+        not depend on how much around another one is looked at.
 
     Returns
     -------
@@ -36,7 +43,7 @@ def local_colour_ratio(
         log(share in objects / share in the background), each in a Gaussian window around the pixel, limited to
         +-`clip`. It shrinks where the window has little of one side.
     """
-    cells = _Cells.of(foreground.shape, max(round(params.radius), 1))
+    cells = _Cells.over(foreground.shape, origin, max(round(params.radius), 1))
     colours, colour_of = np.unique(colour_bins(image, _bins(params)), return_inverse=True)
     colour_of = colour_of.reshape(foreground.shape)
     alike = _alike(colours, params)
@@ -56,43 +63,49 @@ def local_colour_ratio(
 
 
 class _Cells(NamedTuple):
-    """Square cells over an image, in which colours are counted.
+    """Square cells over an image and a cell around it, in which colours are counted.
 
     Attributes
     ----------
     shape : (rows, columns)
     side : int
         px.
+    start : (y, x)
+        Place of the image's first pixel from the corner of the first cell, px.
     """
 
     shape: tuple[int, int]
     side: int
+    start: tuple[int, int]
 
     @classmethod
-    def of(cls, image_shape: tuple[int, int], side: int) -> "_Cells":
-        return cls((-(-image_shape[0] // side), -(-image_shape[1] // side)), side)
+    def over(cls, image_shape: tuple[int, int], origin: tuple[int, int], side: int) -> "_Cells":
+        start = side + origin[0] % side, side + origin[1] % side
+        rows, columns = (-(-(first + number) // side) + 1 for first, number in zip(start, image_shape, strict=True))
+        return cls((rows, columns), side, start)
 
     def count(self, weight: np.ndarray, colour_of: np.ndarray, num_colours: int) -> sparse.csr_array:
         """Return the weight float32 (cell, colour) of pixels float32 (y, x) by the colour of each, int (y, x)."""
-        rows, columns = (np.arange(number) // self.side for number in weight.shape)
+        rows, columns = (
+            (first + np.arange(number)) // self.side for first, number in zip(self.start, weight.shape, strict=True)
+        )
         cell = rows[:, None] * self.shape[1] + columns
         places = (cell.ravel(), colour_of.ravel())
         return sparse.csr_array((weight.ravel(), places), (self.shape[0] * self.shape[1], num_colours))
 
     def interpolate(self, values: np.ndarray, colour_of: np.ndarray) -> np.ndarray:
         """Return the value of each pixel's colour, float32 (y, x), from `values` (row, column, colour) at centres."""
-        (above, below, down), (left, right, along) = map(self._neighbours, colour_of.shape, self.shape)
+        (above, below, down), (left, right, along) = map(self._neighbours, colour_of.shape, self.start)
         above, below, down = above[:, None], below[:, None], down[:, None]
         upper = (1 - along) * values[above, left, colour_of] + along * values[above, right, colour_of]
         lower = (1 - along) * values[below, left, colour_of] + along * values[below, right, colour_of]
         return (1 - down) * upper + down * lower
 
-    def _neighbours(self, num_pixels: int, num_cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _neighbours(self, num_pixels: int, start: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the cells whose centres are before and after each pixel of a row, and the share of those after it."""
-        place = (np.arange(num_pixels, dtype=np.float32) + np.float32(0.5)) / np.float32(self.side) - np.float32(0.5)
-        before = np.floor(place)
-        cell = before.astype(int)
-        return cell.clip(0), (cell + 1).clip(max=num_cells - 1), place - before
+        place = (np.arange(start, start + num_pixels) + 0.5) / self.side - 0.5
+        before = np.floor(place).astype(int)
+        return before, before + 1, (place - before).astype(np.float32)
 
 
 def _bins(params: LocalColourParams) -> AppearanceParams:

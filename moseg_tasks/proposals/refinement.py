@@ -55,7 +55,8 @@ def refine_outlines(
     kept = np.where((near > 0) | (foreground[window] <= FOREGROUND), foreground[window], 0).astype(np.float32)
     image = resample(part, near.shape)
     if colours.share:
-        ratio = local_colour_ratio(image, foreground[window], near > 0, colours)
+        origin = (rows.start, columns.start)
+        ratio = local_colour_ratio(image, foreground[window], near > 0, colours, origin)
         kept = probability(logit(kept) + np.float32(colours.share) * ratio)
     guide = image * np.float32(1 / 255)
     slope, offset = guided_coefficients(guide, kept, params.radius, params.smoothness)

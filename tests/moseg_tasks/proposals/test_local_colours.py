@@ -80,3 +80,16 @@ def test_it_is_the_log_ratio_of_the_shares_in_gaussian_windows():
         limited = min(max(math.log(shares[0] / shares[1]), -params.clip), params.clip)
         expected = limited * min(totals) / (min(totals) + params.doubt)
         assert ratio[tuple(place)] == pytest.approx(expected, abs=1e-4)
+
+
+def test_it_does_not_depend_on_how_much_around_the_objects_is_looked_at():
+    rng = np.random.default_rng(0)
+    image = rng.integers(0, 256, (50, 60, 3), np.uint8)
+    foreground, is_object = np.full((50, 60), 0.5, np.float32), np.zeros((50, 60), bool)
+    foreground[20:40, 25:50], is_object[20:40, 25:37] = rng.random((20, 25), np.float32), True
+    whole = local_colour_ratio(image, foreground, is_object, PARAMS)
+    assert np.abs(whole).max() > 0.1
+    for y, x in ((0, 3), (13, 20), (20, 25)):
+        part = slice(y, 40), slice(x, 50)
+        found = local_colour_ratio(image[part], foreground[part], is_object[part], PARAMS, (y, x))
+        np.testing.assert_allclose(found, whole[part], atol=1e-4)
