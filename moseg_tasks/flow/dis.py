@@ -10,7 +10,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.check_frame import check_frame
 from moseg.tasks.flow.flow_grid import resize_flow
-from moseg.tasks.frame_grid import grid_shape, reduced_shape, resample
+from moseg.tasks.frame_grid import MIN_ENLARGEMENT, grid_shape, reduced_shape, resample
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -62,10 +62,10 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
 def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow on the grid at which the search ends.
 
-    It is of full, half or a quarter of the frames' size, but its longer side is no shorter than `search_side`: small
-    frames are enlarged, to twice their size at most. Between the vectors of a coarser grid OpenCV interpolates, as
-    `resize_flow` does. Where a side of the grid is under 12 px, frames are extended to 32 px by replicating their
-    border, and the flow is cropped; it is of full size.
+    It is of full, half or a quarter of the frames' size, but its longer side is no shorter than `search_side`, up to a
+    tenth: small frames are enlarged, to twice their size at most. Between the vectors of a coarser grid OpenCV
+    interpolates, as `resize_flow` does. Where a side of the grid is under 12 px, frames are extended to 32 px by
+    replicating their border, and the flow is cropped; it is of full size.
 
     Parameters
     ----------
@@ -127,7 +127,9 @@ def _search_grid(size: tuple[int, int], params: FlowParams) -> tuple[int, int]:
     """Return (height, width) of the grid at which the search between frames of a size ends."""
     level = _FINEST[params.preset]
     height, width = (side >> level for side in size)
-    return (height, width) if max(height, width) >= params.search_side else grid_shape(size, params.search_side)
+    # Almost as long is long enough: between a grid of a half and one a little finer, patches are blurred for nothing.
+    is_long = max(height, width) * MIN_ENLARGEMENT >= params.search_side
+    return (height, width) if is_long else grid_shape(size, params.search_side)
 
 
 _KEPT = local()

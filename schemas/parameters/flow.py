@@ -24,8 +24,8 @@ class FlowParams(Frozen):
     search_side: Annotated[int, Unit.PIXELS] = Field(
         640,
         ge=16,
-        description="longer side of the grid at which the search ends, px, where the preset's is shorter; small frames"
-        " are enlarged for it, to twice their size at most (dis only)",
+        description="longer side of the grid at which the search ends, px, where the preset's is shorter by more than a"
+        " tenth; small frames are enlarged for it, to twice their size at most (dis only)",
     )
     coarse_side: Annotated[int, Unit.PIXELS] = Field(
         107,

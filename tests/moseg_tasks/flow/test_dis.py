@@ -55,7 +55,8 @@ def test_a_translation_is_recovered(preset):
     ("preset", "side", "grid"),
     [
         ("fast", 16, (30, 40)),
-        ("fast", 41, (31, 41)),
+        ("fast", 44, (30, 40)),
+        ("fast", 45, (34, 45)),
         ("medium", 80, (60, 80)),
         ("medium", 100, (75, 100)),
         ("medium", 150, (112, 150)),
