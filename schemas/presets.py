@@ -68,7 +68,7 @@ LIGHT: Mapping[str, Choices] = {
 QUALITIES: Mapping[str, Choices] = {
     "fast": {
         "max_side": 384,
-        "flow": {"preset": "lighter", "search_side": 192},
+        "flow": {"preset": "lighter", "search_side": 192, "coarse_side": 0},
         "saliency": {"working_side": 192},
         "motion_network": {"step": 4},
         "scene_parallax": {"num_pairs": 4, "min_pairs": 3, "num_corners": 400},

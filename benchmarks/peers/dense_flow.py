@@ -7,7 +7,7 @@ import numpy as np
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.flow import estimate_flow
 
-_PARAMS = FlowParams(preset="medium")
+_PARAMS = FlowParams(preset="medium", search_side=427, coarse_side=0)
 
 
 def flow_of_each(frames: Sequence[np.ndarray]) -> Iterator[np.ndarray]:

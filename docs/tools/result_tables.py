@@ -233,12 +233,47 @@ def _local_colours() -> Rows:
         "best": "`--quality best`",
         "no-network": "`--set motion_network.use=never`",
     }
-    sides = ("local-colours/without/{0}", "davis-{0}/fused")
+    sides = ("local-colours/without/{0}", "local-colours/with/{0}")
     rows = (
         (text, *(f"{{{side.format(name)}/{score}}}" for side in sides for score in ("J", "F")))
         for name, text in texts.items()
     )
     return [("", "J without", "Fu", "J with", "Fu"), *rows]
+
+
+def _flow_search() -> Rows:
+    texts = {
+        "before": "427 px, patches 3 px apart, 8 iterations, 2 of the refinement (before)",
+        "zero": "the same, with no motion as a candidate",
+        "iterations": "25 iterations",
+        "coarse": "25 iterations, coarse search on 107 px",
+        "coarse_stride_4": "25 iterations, coarse search on 107 px, patches 4 px apart",
+        "side_640": "640 px, patches 4 px apart, 8 iterations, 2 of the refinement",
+        "side_640_coarse": "640 px, patches 4 px apart, 25 iterations, 2 of the refinement, coarse search on 160 px",
+        "side_640_stride_5": "**640 px, patches 5 px apart, 16 iterations, 1 of the refinement, coarse search on"
+        " 107 px (now)**",
+        "side_854": "854 px, patches 5 px apart, 8 iterations, 1 of the refinement",
+        "fine": "854 px, patches 3 px apart, 25 iterations, 5 of the refinement (`flow.preset=fine`)",
+    }
+    untimed = {"zero", "side_640"}
+    scores = [(frames, score) for frames in ("all", "second") for score in ("J", "F")]
+    rows = [
+        (
+            text,
+            *(f"{{flow-search/davis/{name}/{frames}/{score}}}" for frames, score in scores),
+            "" if name in untimed else f"{{flow-search/davis/{name}/ms:.0f}}",
+        )
+        for name, text in texts.items()
+    ]
+    composed = (
+        "flow put together from that of all frames",
+        "",
+        "",
+        *(f"{{flow-search/davis/composed/second/{score}}}" for score in ("J", "F")),
+        "",
+    )
+    head = ("grid and effort of the search", "J", "Fu", "J, every second frame", "Fu", "ms a search")
+    return [head, *rows, composed]
 
 
 def _parts_of_learning() -> Rows:
@@ -353,6 +388,7 @@ TABLES = {
     "small-frames": _small_frames(),
     "texture": _texture(),
     "local-colours": _local_colours(),
+    "flow-search": _flow_search(),
     "networks-on-gpu": _networks_on_gpu(),
     "learning": _parts_of_learning(),
     **trajectory_tables.TABLES,

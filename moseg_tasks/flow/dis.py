@@ -10,7 +10,7 @@ from moseg.schemas.errors import InputError
 from moseg.schemas.parameters import FlowParams
 from moseg.tasks.check_frame import check_frame
 from moseg.tasks.flow.flow_grid import resize_flow
-from moseg.tasks.frame_grid import grid_shape, resample
+from moseg.tasks.frame_grid import MIN_ENLARGEMENT, grid_shape, reduced_shape, resample
 
 _PRESETS = {
     "ultrafast": cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST,
@@ -38,10 +38,13 @@ _MIN_REDUCED_SIDE = 128
 _REDUCED = {
     "lighter": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=0),
     "light": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=2),
-    "balanced": _Effort(patch_stride=3, descent_iterations=8, refinement_iterations=2),
+    "balanced": _Effort(patch_stride=5, descent_iterations=16, refinement_iterations=1),
 }
-"""Of medium, whose effort is 3, 25 and 5: half its time and 0.1 px apart from it at the 95th percentile (light), 0.7 of
-its time and 0.04 px apart (balanced); lighter takes two fifths of its time and is twice as far apart as light."""
+"""Of medium, whose effort is 3, 25 and 5: light takes half its time and lighter two fifths."""
+_COARSE = _Effort(patch_stride=1, descent_iterations=25, refinement_iterations=2)
+"""Of the search on the coarse grid: things that few patches of the pyramid cover have patches of their own here."""
+_MIN_COARSER = 2
+"""Longer side of the grid at which a search ends, at least, in those of the coarse grid."""
 # Of a frame whose levels OpenCV chooses. On a smaller one it raises, returns NaN or crashes.
 _MIN_SIDE = 32
 # Of the grid at which the search ends; OpenCV refuses smaller images.
@@ -59,17 +62,18 @@ def estimate_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) ->
 def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> np.ndarray:
     """Estimate the flow on the grid at which the search ends.
 
-    It is of full, half or a quarter of the frames' size, but its longer side is no shorter than `search_side`: small
-    frames are enlarged, to twice their size at most. Between the vectors of a coarser grid OpenCV interpolates, as
-    `resize_flow` does. Where a side of the grid is under 12 px, frames are extended to 32 px by replicating their
-    border, and the flow is cropped; it is of full size.
+    It is of full, half or a quarter of the frames' size, but its longer side is no shorter than `search_side`, up to a
+    tenth: small frames are enlarged, to twice their size at most. Between the vectors of a coarser grid OpenCV
+    interpolates, as `resize_flow` does. Where a side of the grid is under 12 px, frames are extended to 32 px by
+    replicating their border, and the flow is cropped; it is of full size.
 
     Parameters
     ----------
     image0, image1 : uint8 (y, x, 3)
         RGB frames of one size.
     params : FlowParams
-        `preset` is the trade of speed for accuracy, and `search_side` the longer side of the grid at least, px.
+        `preset` is the trade of speed for accuracy, `search_side` the longer side of the grid at least, px, and
+        `coarse_side` that of the grid whose flow is a candidate of each patch at each level of the pyramid.
 
     Returns
     -------
@@ -93,40 +97,68 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
     grid = _search_grid((height, width), params)
     if min(grid) < _MIN_GRID:
         # OpenCV chooses the levels of such a frame by itself.
-        search = _make_search(params.preset, grid)
+        search = _make_search(params.preset, _effort(params.preset, grid))
         flow = search.calc(_searchable_gray(image0), _searchable_gray(image1), None)
         return np.ascontiguousarray(flow[:height, :width])
     searched = [resample(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), grid) for image in (image0, image1)]
-    flow = _kept_search(params.preset, grid).calc(*searched, None)
+    coarse = _coarse_flow(searched, params.coarse_side)
+    role = "whole search" if coarse is None else "search with candidates"
+    flow = _kept(role, params.preset, grid, _effort(params.preset, grid)).calc(*searched, coarse)
     # Not a power of two where a side is no multiple of one.
     return flow * np.float32([width / grid[1], height / grid[0]])
+
+
+def _coarse_flow(images: list[np.ndarray], side: int) -> np.ndarray | None:
+    """Return the flow between images uint8 (y, x) of a search on a grid of longer side `side`; None if there is none.
+
+    It is interpolated to the images' grid: float32 (y, x, 2), px of that grid.
+    """
+    height, width = images[0].shape
+    if not side or max(height, width) < _MIN_COARSER * side:
+        return None
+    grid = reduced_shape((height, width), side)
+    if min(grid) < _MIN_GRID:
+        return None
+    flow = _kept("coarse search", "medium", grid, _COARSE).calc(*(resample(image, grid) for image in images), None)
+    return resize_flow(flow, (height, width)) * np.float32([width / grid[1], height / grid[0]])
 
 
 def _search_grid(size: tuple[int, int], params: FlowParams) -> tuple[int, int]:
     """Return (height, width) of the grid at which the search between frames of a size ends."""
     level = _FINEST[params.preset]
     height, width = (side >> level for side in size)
-    return (height, width) if max(height, width) >= params.search_side else grid_shape(size, params.search_side)
+    # Almost as long is long enough: between a grid of a half and one a little finer, patches are blurred for nothing.
+    is_long = max(height, width) * MIN_ENLARGEMENT >= params.search_side
+    return (height, width) if is_long else grid_shape(size, params.search_side)
 
 
 _KEPT = local()
-"""Search of each thread for grids of one size: its maps are allocated once."""
+"""Searches of each thread, each for grids of one size: their maps are allocated once."""
 
 
-def _kept_search(preset: str, grid: tuple[int, int]) -> cv2.DISOpticalFlow:
-    """Return this thread's search that ends on the grid of the images which it is given, made anew for another one."""
-    if getattr(_KEPT, "place", None) != (preset, grid):
-        _KEPT.search, _KEPT.place = _make_search(preset, grid), (preset, grid)
-        _KEPT.search.setFinestScale(0)
-    return _KEPT.search
+def _kept(role: str, preset: str, grid: tuple[int, int], effort: _Effort | None) -> cv2.DISOpticalFlow:
+    """Return this thread's search of a role that ends on the grid of the images, made anew for another grid or preset.
+
+    OpenCV goes on using the candidates that a search was once given: a search of one role always has some, or never.
+    """
+    searches = _KEPT.__dict__
+    if role not in searches or searches[role][0] != (preset, grid):
+        search = _make_search(preset, effort)
+        search.setFinestScale(0)
+        searches[role] = (preset, grid), search
+    return searches[role][1]
 
 
-def _make_search(preset: str, grid: tuple[int, int]) -> cv2.DISOpticalFlow:
-    """Return a search that ends on a grid (height, width)."""
-    search = cv2.DISOpticalFlow_create(_PRESETS[preset])
+def _effort(preset: str, grid: tuple[int, int]) -> _Effort | None:
+    """Return the effort of a preset on a grid (height, width); None: that of OpenCV's."""
     # Small grids have too few patches to leave any out, and take little time.
-    effort = _REDUCED.get(preset)
-    if effort is not None and max(grid) >= _MIN_REDUCED_SIDE:
+    return _REDUCED.get(preset) if max(grid) >= _MIN_REDUCED_SIDE else None
+
+
+def _make_search(preset: str, effort: _Effort | None) -> cv2.DISOpticalFlow:
+    """Return a search with OpenCV's preset and an effort of ours, if any."""
+    search = cv2.DISOpticalFlow_create(_PRESETS[preset])
+    if effort is not None:
         search.setPatchStride(effort.patch_stride)
         search.setGradientDescentIterations(effort.descent_iterations)
         search.setVariationalRefinementIterations(effort.refinement_iterations)

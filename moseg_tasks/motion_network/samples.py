@@ -53,7 +53,9 @@ def draw_sample(seed: int, index: int, shape: tuple[int, int], textures: np.ndar
     """
     rng = np.random.default_rng([seed, index])
     preset = "fine" if rng.random() < 0.3 else "medium"
-    return encode_scene(draw_scene(rng, shape, textures), FlowParams(preset=preset, search_side=16), SaliencyParams())
+    return encode_scene(
+        draw_scene(rng, shape, textures), FlowParams(preset=preset, search_side=16, coarse_side=0), SaliencyParams()
+    )
 
 
 def encode_scene(scene: TrainingScene, flow: FlowParams, saliency: SaliencyParams) -> Sample:

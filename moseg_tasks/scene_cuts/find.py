@@ -10,7 +10,7 @@ from moseg.schemas.parameters import FlowParams, SceneCutParams
 from moseg.tasks.flow.dis import estimate_flow
 from moseg.tasks.saliency.grid import vector_length, warp
 
-_FLOW = FlowParams(preset="fast", search_side=16)
+_FLOW = FlowParams(preset="fast", search_side=16, coarse_side=0)
 _NEAR = 2.0  # px of the reduced frames: deviation of the weights of local contrast
 _NEARLY_ALL = 99  # per cent of the pixels of a plain frame
 _SHOWS_AGAIN = 2.0  # times the contrast of a plain frame, so that a dark scene near it is not cut again and again

@@ -12,7 +12,7 @@ from moseg.tasks.saliency.background import affine_flow, fit_background
 
 _SIDE = 213
 """Longer side of the frames between which motion is estimated, px."""
-_FLOW, _FIT = FlowParams(preset="fast", search_side=16), SaliencyParams()
+_FLOW, _FIT = FlowParams(preset="fast", search_side=16, coarse_side=0), SaliencyParams()
 
 
 def camera_motions(images: Sequence[np.ndarray], following: Sequence[np.ndarray]) -> np.ndarray:

@@ -17,12 +17,20 @@ class FlowParams(Frozen):
     )
     preset: Literal["ultrafast", "fast", "lighter", "light", "balanced", "medium", "fine"] = Field(
         "balanced",
-        description="DIS preset; fine is medium at full resolution, balanced is medium with fewer iterations, light"
-        " also with fewer patches, lighter without variational refinement too (dis only)",
+        description="DIS preset; fine is medium at full resolution, light is medium with fewer patches and iterations,"
+        " lighter without variational refinement too, balanced with still fewer patches than light, but more iterations"
+        " of their descent (dis only)",
     )
     search_side: Annotated[int, Unit.PIXELS] = Field(
-        427,
+        640,
         ge=16,
-        description="longer side of the grid at which the search ends, px, where the preset's is shorter; small frames"
-        " are enlarged for it, to twice their size at most (dis only)",
+        description="longer side of the grid at which the search ends, px, where the preset's is shorter by more than a"
+        " tenth; small frames are enlarged for it, to twice their size at most (dis only)",
+    )
+    coarse_side: Annotated[int, Unit.PIXELS] = Field(
+        107,
+        ge=0,
+        description="longer side of a coarse grid that is searched first, with a patch at each pixel, px; its flow is a"
+        " candidate of each patch. 0: none; none either where the search ends on a grid of less than twice this side"
+        " (dis only)",
     )

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "5c0c0e702e1e8e1c",
-    "oc-depth": "bc47d3e89beb4e46",
-    "oc": "53a88bd52c35373d",
-    "trajs": "c498dc92fc38ccd1",
-    "base": "a35ea8bb73cf9dc5",
-    "flow": "61179d2876494c21",
-    "tracks": "1994cc581b256bdd",
+    "fused": "fd5ca405cee64ad5",
+    "oc-depth": "b9a81e04cb8059d9",
+    "oc": "bd1d99e555551409",
+    "trajs": "3c41028dcdadbd81",
+    "base": "e04edf0a49f4a8cc",
+    "flow": "dec7aeefd11eec2e",
+    "tracks": "5413e0b44c598215",
 }
 
 

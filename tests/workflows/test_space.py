@@ -34,7 +34,7 @@ def _has_one_line(ran):
 def test_a_full_disk_is_one_line_before_anything_is_computed(segment, tmp_path, free):
     free(1000)
     ran = segment()
-    assert _has_one_line(ran) and "1000 B free" in ran.err and "about 6.6 MiB" in ran.err
+    assert _has_one_line(ran) and "1000 B free" in ran.err and "about 7.3 MiB" in ran.err
     assert list(open_store(str(tmp_path / "store")).refs()) == []
     assert not list((tmp_path / "out").rglob("*.*"))
 

@@ -10,7 +10,7 @@ from moseg.workflows.process.amounts import size
 
 BYTES_PER_PIXEL = {
     "filled_frame": 1.9,
-    "flow": 1.2,
+    "flow": 1.85,
     "saliency": 2.0,
     "accumulation": 0.4,
     "motion_memory": 0.32,
@@ -25,7 +25,7 @@ BYTES_PER_PIXEL = {
 """Bytes of one artifact, for each pixel of each of its frames, or of their grid; those of other tasks are small.
 
 Measured on DAVIS at 480p with the default pipeline, like the following."""
-WHOLE = 9.5
+WHOLE = 10.8
 """Bytes of all artifacts of a video, for each pixel of each frame or of its grid, while it is analysed."""
 PER_FRAME, PER_VIDEO = 30_000, 2_000_000
 """Bytes of manifests and of artifacts without pixels."""

@@ -70,7 +70,7 @@ def _estimate(build, params, inputs):
     return [Output({"flow": flow}, made_on()) for flow in flows]
 
 
-DIS = Task("flow", "dis", version=5, run=_run_dis, params=_dis_params, is_cheap=True, is_cue=True)
+DIS = Task("flow", "dis", version=6, run=_run_dis, params=_dis_params, is_cheap=True, is_cue=True)
 RAFT = Task(
     "flow",
     "raft",
