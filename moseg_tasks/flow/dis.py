@@ -33,17 +33,21 @@ class _Effort(NamedTuple):
     refinement_iterations: int
 
 
-_MIN_REDUCED_SIDE = 128
-"""Longer side of the grid from which on a reduced effort differs from that of medium, px."""
 _REDUCED = {
-    "lighter": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=0),
-    "light": _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=2),
-    "balanced": _Effort(patch_stride=5, descent_iterations=16, refinement_iterations=1),
+    "lighter": {128: _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=0)},
+    "light": {128: _Effort(patch_stride=4, descent_iterations=8, refinement_iterations=2)},
+    "balanced": {
+        128: _Effort(patch_stride=3, descent_iterations=8, refinement_iterations=2),
+        512: _Effort(patch_stride=5, descent_iterations=16, refinement_iterations=1),
+    },
 }
-"""Of medium, whose effort is 3, 25 and 5: light takes half its time and lighter two fifths."""
+"""Of presets by the longer side of the grid, px, from which on each is theirs; medium's, theirs below, is 3, 25 and 5.
+
+Light takes half the time of medium and lighter two fifths. Small grids have too few patches to leave any out.
+"""
 _COARSE = _Effort(patch_stride=1, descent_iterations=25, refinement_iterations=2)
 """Of the search on the coarse grid: things that few patches of the pyramid cover have patches of their own here."""
-_MIN_COARSER = 2
+_MIN_COARSER = 3
 """Longer side of the grid at which a search ends, at least, in those of the coarse grid."""
 # Of a frame whose levels OpenCV chooses. On a smaller one it raises, returns NaN or crashes.
 _MIN_SIDE = 32
@@ -151,8 +155,8 @@ def _kept(role: str, preset: str, grid: tuple[int, int], effort: _Effort | None)
 
 def _effort(preset: str, grid: tuple[int, int]) -> _Effort | None:
     """Return the effort of a preset on a grid (height, width); None: that of OpenCV's."""
-    # Small grids have too few patches to leave any out, and take little time.
-    return _REDUCED.get(preset) if max(grid) >= _MIN_REDUCED_SIDE else None
+    efforts = _REDUCED.get(preset, {})
+    return efforts[max(sides)] if (sides := [side for side in efforts if max(grid) >= side]) else None
 
 
 def _make_search(preset: str, effort: _Effort | None) -> cv2.DISOpticalFlow:

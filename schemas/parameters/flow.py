@@ -31,6 +31,6 @@ class FlowParams(Frozen):
         107,
         ge=0,
         description="longer side of a coarse grid that is searched first, with a patch at each pixel, px; its flow is a"
-        " candidate of each patch. 0: none; none either where the search ends on a grid of less than twice this side"
-        " (dis only)",
+        " candidate of each patch. 0: none; none either where the search ends on a grid of less than three times this"
+        " side (dis only)",
     )

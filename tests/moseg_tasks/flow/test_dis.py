@@ -106,10 +106,10 @@ def test_a_small_thing_before_a_fast_background_is_found_by_the_coarse_search(se
     assert with_it.mean() > 0.7 > 0.3 > without.mean()
 
 
-def test_grids_of_less_than_twice_the_coarse_side_and_narrow_ones_have_no_coarse_search():
+def test_grids_of_less_than_three_times_the_coarse_side_and_narrow_ones_have_no_coarse_search():
     frames, _ = followed_by_the_camera(10)
     narrow = [np.ascontiguousarray(frame[:40]) for frame in frames]
-    for pair, side in ((frames, 241), (narrow, 107)):
+    for pair, side in ((frames, 161), (narrow, 107)):
         expected = search_flow(*pair, FlowParams(search_side=480, coarse_side=0))
         assert np.array_equal(search_flow(*pair, FlowParams(search_side=480, coarse_side=side)), expected)
 
