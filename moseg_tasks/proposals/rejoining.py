@@ -93,7 +93,7 @@ def rejoin_components(
     ends = [label for label in lasting if _is_inside(labels, label, spans[label][1])]
     begins = [label for label in lasting if _is_inside(labels, label, spans[label][0])]
     # Such pairs are rare: only their components are described.
-    pairs = [(i, j) for i in ends for j in begins if i != j and _is_in_time(spans[i], spans[j], params)]
+    pairs = [(i, j) for i in ends for j in begins if i != j and is_in_time(spans[i], spans[j], params)]
     before = {i: look(labels, images, residual_flows, i, boxes[i - 1], True, params) for i in {i for i, _ in pairs}}
     after = {j: look(labels, images, residual_flows, j, boxes[j - 1], False, params) for j in {j for _, j in pairs}}
     gains = np.zeros((len(boxes) + 1,) * 2)
@@ -114,6 +114,12 @@ def rename(gains: np.ndarray, spans: dict[int, tuple[int, int]]) -> np.ndarray:
     return renamed
 
 
+def renumber(identity: np.ndarray, renamed: np.ndarray) -> np.ndarray:
+    """Return identities, an array of any shape, by their new names, int64 (identity,), numbered without gaps."""
+    _, compact = np.unique(renamed, return_inverse=True)
+    return compact.astype(identity.dtype)[identity]
+
+
 def _is_inside(labels: np.ndarray, label: int, frame: int) -> bool:
     """Check that a component touches neither the frame's border nor the section's first or last frame."""
     if frame in (0, len(labels) - 1):
@@ -122,7 +128,7 @@ def _is_inside(labels: np.ndarray, label: int, frame: int) -> bool:
     return not any((side == label).any() for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
-def _is_in_time(span0: tuple[int, int], span1: tuple[int, int], params: IdentityParams) -> bool:
+def is_in_time(span0: tuple[int, int], span1: tuple[int, int], params: IdentityParams) -> bool:
     """Check whether one span may continue the other: later at both ends, and within the gap allowed."""
     later = span1[0] > span0[0] and span1[1] > span0[1]
     return later and abs(span1[0] - span0[1] - 1) <= params.rejoin_gap

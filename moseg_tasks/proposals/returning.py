@@ -7,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 
 from moseg.schemas.parameters.identity import IdentityParams
-from moseg.tasks.proposals.rejoining import Sight, agreement, look, rename
+from moseg.tasks.proposals.rejoining import Sight, agreement, look, rename, renumber
 from moseg.tasks.saliency.consistency import NEXT
 
 BEGIN, END = 0, 1
@@ -109,8 +109,10 @@ def find_returns(
             first, last = (_sight(sightings, index, end, start) for end in (BEGIN, END))
             if name not in begins:
                 begins[name], ends[name] = first, last
-            elif ends[name] is not None and last.last >= ends[name].last:
-                ends[name] = last
+            elif begins[name] is not None:
+                # Of the parts of an object in one section, any may be the first.
+                begins[name] = min(begins[name], first, key=lambda sight: sight.first)
+                ends[name] = max(last, ends[name], key=lambda sight: sight.last)
     camera = _path_of_camera(starts, seen)
     names = [name for name in begins if name and begins[name] is not None and ends[name] is not None]
     gains = np.zeros((int(identity.max(initial=0)) + 1,) * 2)
@@ -122,9 +124,7 @@ def find_returns(
                 moved = camera[after.frame] - camera[before.frame]
                 own = (before.velocity + after.velocity) / 2 * (after.frame - before.frame)
                 gains[i, j] = agreement(before, after, before.centre + moved + own, frame_area, params)
-    renamed = rename(gains, spans)
-    _, compact = np.unique(np.concatenate([[0], renamed]), return_inverse=True)
-    return compact[1:].astype(identity.dtype)[identity]
+    return renumber(identity, rename(gains, spans))
 
 
 def _sight(sightings: Sightings, index: int, end: int, start: int) -> Sight:

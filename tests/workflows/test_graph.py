@@ -24,11 +24,11 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "fd5ca405cee64ad5",
-    "oc-depth": "b9a81e04cb8059d9",
-    "oc": "bd1d99e555551409",
-    "trajs": "3c41028dcdadbd81",
-    "base": "e04edf0a49f4a8cc",
+    "fused": "91fa9fafebb6d6db",
+    "oc-depth": "94a8090855a728b2",
+    "oc": "e7702def5d5f8489",
+    "trajs": "4754111fb3249dff",
+    "base": "174b5620c520a48e",
     "flow": "dec7aeefd11eec2e",
     "tracks": "5413e0b44c598215",
 }

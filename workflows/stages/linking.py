@@ -12,7 +12,7 @@ from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
 RETURN_PARAMS = frozenset(
-    {"min_area", "return_gap", "rejoin_growth", "rejoin_turn", "rejoin_drift"}
+    {"min_area", "return_gap", "rejoin_gap", "rejoin_growth", "rejoin_turn", "rejoin_drift"}
     | {"rejoin_reach", "rejoin_stray", "rejoin_colour"}
 )
 """Parameters of the identities by which an object is known again after a gap."""
@@ -20,6 +20,7 @@ RETURN_PARAMS = frozenset(
 
 def _run_overlap(params, inputs, rng):
     from moseg.tasks.proposals.linking import count_overlaps, link_sections
+    from moseg.tasks.proposals.parts import join_parts
     from moseg.tasks.proposals.returning import Sightings, find_returns
 
     sections = inputs.all("proposals")
@@ -33,13 +34,16 @@ def _run_overlap(params, inputs, rng):
         tail = section0.rows("masks", length, length + num_shared)
         head = section1.rows("masks", 0, num_shared)
         overlaps.append(count_overlaps(tail, head, *num_objects[index : index + 2]))
-    identity = link_sections(overlaps, num_objects, LinkingParams.of_recipe(params["linking"]))
+    linking = LinkingParams.of_recipe(params["linking"])
+    identity = link_sections(overlaps, num_objects, linking)
     if "sightings" in inputs:
         seen = dict(zip(params["seen"], inputs.all("sightings"), strict=True))
         read = [_read_sightings(seen.get(index), section, Sightings) for index, section in enumerate(sections)]
         starts = np.cumsum([0, *params["lengths"][:-1]]).tolist()
         frame_area = next(iter(seen.values())).attributes["frame_area"]
-        identity = find_returns(identity, starts, read, frame_area, IdentityParams.of_recipe(params["identity"]))
+        identity_params = IdentityParams.of_recipe(params["identity"])
+        identity = join_parts(identity, overlaps, read, linking, identity_params)
+        identity = find_returns(identity, starts, read, frame_area, identity_params)
     return Output({"identity": identity}, {"num_objects": int(identity.max(initial=0)) + 1})
 
 
@@ -90,7 +94,7 @@ def _overlap_params(config: PipelineConfig, lengths: list[int], seen: list[int])
     return read
 
 
-BY_OVERLAP = Task("linking", "overlap", version=2, run=_run_overlap, params=_overlap_params)
+BY_OVERLAP = Task("linking", "overlap", version=3, run=_run_overlap, params=_overlap_params)
 BY_IDENTITY = Task("linking", "identity", version=1, run=_run_given)
 OF_SCENES = Task("linking", "scenes", version=1, run=_run_scenes)
 
