@@ -75,6 +75,27 @@ def test_other_objects_stay_apart(counts, parts):
     assert len(set(identity[1]) - {0}) == len(parts.frames)
 
 
+def test_an_object_that_the_shared_frames_do_not_show_stays_apart():
+    assert join([[[1000, 0, 0], [0, 50, 0]]], [WHOLE, see((0, 9), (10, 29))]) == [[0, 1, 0], [0, 1, 2]]
+
+
+def test_an_object_that_is_matched_to_another_stays_apart():
+    counts, linking = [[1000, 0, 0], [0, 50, 17], [0, 0, 3]], LINKING.model_copy(update={"min_iou": 0.1})
+    assert join([counts], [see((0, 29), (0, 29)), PARTS], linking) == [[0, 1, 2], [0, 1, 2]]
+
+
+def test_parts_of_an_object_to_which_none_is_matched_stay_apart():
+    counts = [[1000, 0, 0], [200, 40, 40]]
+    assert join([counts], [WHOLE, PARTS]) == [[0, 1, 0], [0, 2, 3]]
+
+
+def test_identities_that_were_joined_before_are_joined_with_all_their_parts():
+    # The second section has the first one's objects 2 and 3 as one, and the third section that and object 1.
+    overlaps = [[[1000, 0, 0], [0, 90, 0], [0, 0, 50], [0, 0, 40]], [[1000, 0], [0, 50], [0, 40]]]
+    seen = [see((0, 29), (0, 9), (6, 19)), see((0, 9), (6, 19)), WHOLE]
+    assert join(overlaps, seen) == [[0, 1, 1, 1], [0, 1, 1, 0], [0, 1, 0, 0]]
+
+
 def test_unseen_objects_those_without_sightings_and_all_without_a_share_stay_apart():
     for seen, linking in (
         ([WHOLE, see((-1, -1), (0, 9))], LINKING),
