@@ -67,17 +67,18 @@ def search_flow(image0: np.ndarray, image1: np.ndarray, params: FlowParams) -> n
     """Estimate the flow on the grid at which the search ends.
 
     It is of full, half or a quarter of the frames' size, but its longer side is no shorter than `search_side`, up to a
-    tenth: small frames are enlarged, to twice their size at most. Between the vectors of a coarser grid OpenCV
-    interpolates, as `resize_flow` does. Where a side of the grid is under 12 px, frames are extended to 32 px by
-    replicating their border, and the flow is cropped; it is of full size.
+    tenth, or than the frames', of which small ones are enlarged to `enlarged_side`, and twice their size, at most.
+    Between the vectors of a coarser grid OpenCV interpolates, as `resize_flow` does. Where a side of the grid is under
+    12 px, frames are extended to 32 px by replicating their border, and the flow is cropped; it is of full size.
 
     Parameters
     ----------
     image0, image1 : uint8 (y, x, 3)
         RGB frames of one size.
     params : FlowParams
-        `preset` is the trade of speed for accuracy, `search_side` the longer side of the grid at least, px, and
-        `coarse_side` that of the grid whose flow is a candidate of each patch at each level of the pyramid.
+        `preset` is the trade of speed for accuracy, `search_side` the longer side of the grid at least, px,
+        `enlarged_side` that of small frames' at most, and `coarse_side` that of the grid whose flow is a candidate of
+        each patch at each level of the pyramid.
 
     Returns
     -------
@@ -133,7 +134,10 @@ def _search_grid(size: tuple[int, int], params: FlowParams) -> tuple[int, int]:
     height, width = (side >> level for side in size)
     # Almost as long is long enough: between a grid of a half and one a little finer, patches are blurred for nothing.
     is_long = max(height, width) * MIN_ENLARGEMENT >= params.search_side
-    return (height, width) if is_long else grid_shape(size, params.search_side)
+    if is_long:
+        return height, width
+    enlarged = max(*size, params.enlarged_side)
+    return grid_shape(size, min(params.search_side, enlarged))
 
 
 _KEPT = local()

@@ -25,7 +25,13 @@ class FlowParams(Frozen):
         640,
         ge=16,
         description="longer side of the grid at which the search ends, px, where the preset's is shorter by more than a"
-        " tenth; small frames are enlarged for it, to twice their size at most (dis only)",
+        " tenth; that of the frames where they are smaller (dis only)",
+    )
+    enlarged_side: Annotated[int, Unit.PIXELS] = Field(
+        427,
+        ge=16,
+        description="longer side to which frames that are smaller than that are enlarged for the search, to twice their"
+        " size and search_side at most, px (dis only)",
     )
     coarse_side: Annotated[int, Unit.PIXELS] = Field(
         107,

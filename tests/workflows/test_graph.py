@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "91fa9fafebb6d6db",
-    "oc-depth": "94a8090855a728b2",
-    "oc": "e7702def5d5f8489",
-    "trajs": "4754111fb3249dff",
-    "base": "174b5620c520a48e",
-    "flow": "dec7aeefd11eec2e",
-    "tracks": "5413e0b44c598215",
+    "fused": "0d4292ac1f3e1faa",
+    "oc-depth": "4c1424891cf0bc5c",
+    "oc": "ea1d03aea3f1e835",
+    "trajs": "1a476078372ee77c",
+    "base": "83b706ee23df19cd",
+    "flow": "b5a20f003bb5ae5e",
+    "tracks": "f3f0a007f244c063",
 }
 
 

@@ -74,6 +74,17 @@ def test_a_search_ends_on_a_grid_of_the_side_asked_for_but_of_twice_the_frame_at
     assert estimate_flow(image0, image1, FlowParams(preset=preset, search_side=side)).shape == (120, 160, 2)
 
 
+@pytest.mark.parametrize(
+    ("longer", "grid"),
+    [(200, 400), (300, 427), (400, 400), (480, 480), (640, 640), (854, 640), (1242, 621), (1280, 640), (1920, 960)],
+)
+def test_frames_of_less_than_427_px_are_enlarged_to_that_and_others_are_not(longer, grid):
+    image = np.zeros((longer // 2, longer, 3), np.uint8)
+    assert search_flow(image, image, FlowParams()).shape[1] == grid
+    less = search_flow(image, image, FlowParams(preset="medium", search_side=300)).shape[1]
+    assert less == (longer // 2 if longer >= 640 else 300)
+
+
 def test_an_enlarged_search_finds_what_is_too_small_for_that_of_the_frames():
     backdrop, small = texture((100, 140)), texture((12, 12), 1)
     frames = [np.roll(backdrop, (0, step), axis=(0, 1)).copy() for step in (0, 2)]
