@@ -34,7 +34,9 @@ def find_graphics(
     Returns
     -------
     ScreenGraphics
-        Without parts where the camera stands still, or where too much of the frame would be graphics.
+        Without parts where the camera stands still, or where too much of the frame would be graphics. Before a camera
+        at rest a large mover is taken for the background in some frames, so the fewer of them have a background that
+        moves, the fewer edges may stand still.
     """
     if len(images) < _MIN_FRAMES:
         return ScreenGraphics()
@@ -45,8 +47,8 @@ def find_graphics(
     edges = persistent_edges(levels, params)
     if edges.share > params.max_still or not edges.is_persistent.any():
         return ScreenGraphics()
-    moves = camera_motions(images, following) * params.side >= params.min_motion
-    if moves.mean() < params.min_moving:
+    moving = float((camera_motions(images, following) * params.side >= params.min_motion).mean())
+    if edges.share > params.max_still * moving**2:
         return ScreenGraphics()
     join = max(2, round(params.join * max(grid)))
     mask = np.zeros(grid, bool)

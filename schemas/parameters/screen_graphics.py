@@ -45,18 +45,13 @@ class ScreenGraphicsParams(Frozen):
     min_motion: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
         0.5, ge=0, description="motion of the background from a frame to the next in which the camera moves, px/frame"
     )
-    min_moving: Annotated[float, Unit.SHARE] = Field(
-        0.25,
-        ge=0,
-        le=1,
-        description="frames in which the camera moves, at least: else graphics rest as the scene does, and what stands "
-        "in it could not be told from them",
-    )
     max_still: Annotated[float, Unit.SHARE] = Field(
         0.5,
         gt=0,
         le=1,
-        description="edges of the frame that may stand still; else none is a graphic",
+        description="edges of the frame that may stand still, where the camera moves in all frames; where it moves in "
+        "a share of them, this times the square of that share. Else no edge is a graphic's, as what stands in front of "
+        "a camera at rest could not be told from one",
     )
     join: Annotated[float, Unit.SHARE] = Field(
         0.01, gt=0, le=0.1, description="distance to which edges belong together, relative to the frame's longer side"

@@ -25,7 +25,7 @@ def _params(config: PipelineConfig) -> dict:
     return {"screen_graphics": config.screen_graphics.model_dump(mode="json", exclude=UNREAD_PARAMS)}
 
 
-STILL_EDGES = Task("screen_graphics", "still-edges", version=1, run=_run, params=_params)
+STILL_EDGES = Task("screen_graphics", "still-edges", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="screen_graphics",

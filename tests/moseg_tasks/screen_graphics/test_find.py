@@ -101,7 +101,7 @@ def test_what_moves_in_half_of_the_frame_does_not_make_the_other_half_a_graphic(
     for frame in frames:
         frame[:, : WIDTH // 2] = frames[0][:, : WIDTH // 2]
     assert _find(frames) == NONE and _find(frames, max_area=0.9, max_still=0.25) == NONE
-    assert _find(frames, max_area=0.9, min_moving=0).parts
+    assert _find(frames, max_area=0.9, min_motion=0).parts
 
 
 def test_what_stands_in_a_busy_place_before_a_camera_at_rest_is_no_graphic():
@@ -116,7 +116,17 @@ def test_what_stands_in_a_busy_place_before_a_camera_at_rest_is_no_graphic():
             window[:] = texture[: window.shape[0], : window.shape[1]]
         frames.append(frame)
     assert _find(frames) == NONE
-    assert _find(frames, min_moving=0).parts
+    assert _find(frames, min_motion=0).parts
+
+
+@pytest.mark.parametrize(("period", "is_found"), [(1, True), (2, False)])
+def test_the_less_often_the_background_seems_to_move_the_fewer_edges_may_stand_still(period, is_found):
+    """A camera at rest sees a quarter of its scene beside something large, whose motion is taken for its own."""
+    frames = [frame.copy() for frame in np.repeat(_scene(), period, axis=0)[:NUM_FRAMES]]
+    for frame in frames:
+        frame[:, : WIDTH // 4] = frames[0][:, : WIDTH // 4]
+    assert bool(_find(frames).parts) == is_found
+    assert _find(frames, max_still=1).parts
 
 
 @pytest.mark.parametrize("num_frames", [2, 8, 9])
