@@ -10,6 +10,7 @@ from moseg.tasks.proposals.guided_filter import apply_coefficients, guided_coeff
 from moseg.tasks.proposals.local_colours import local_colour_ratio
 from moseg.tasks.saliency.logits import logit, probability
 
+_FILLED = 0.75  # probability of the holes of objects that belong to them
 _MARGIN = 4  # cells around the objects that are processed, in addition to the filter's two windows
 
 
@@ -27,7 +28,7 @@ def refine_outlines(
     frame : uint8 (Y, X, 3)
         RGB.
     labels : uint16 (h, w)
-        Objects on the working grid, 0 = background.
+        Objects on the working grid, 0 = background. Where the foreground is below a half they were filled.
     foreground : float32 (h, w)
         Probability to move, 0..1.
     params : RefinementParams
@@ -51,12 +52,13 @@ def refine_outlines(
     if part.size == 0:
         return objects
     near = labels[window]
+    moves = np.where((near > 0) & (foreground[window] <= FOREGROUND), _FILLED, foreground[window]).astype(np.float32)
     # Foreground of no object, such as a dropped component, must not leak into an object.
-    kept = np.where((near > 0) | (foreground[window] <= FOREGROUND), foreground[window], 0).astype(np.float32)
+    kept = np.where((near > 0) | (moves <= FOREGROUND), moves, np.float32(0))
     image = resample(part, near.shape)
     if colours.share:
         origin = (rows.start, columns.start)
-        ratio = local_colour_ratio(image, foreground[window], near > 0, colours, origin)
+        ratio = local_colour_ratio(image, moves, near > 0, colours, origin)
         kept = probability(logit(kept) + np.float32(colours.share) * ratio)
     guide = image * np.float32(1 / 255)
     slope, offset = guided_coefficients(guide, kept, params.radius, params.smoothness)

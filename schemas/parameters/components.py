@@ -38,3 +38,15 @@ class ComponentParams(Frozen):
     max_objects: Annotated[int, Unit.COUNT] = Field(
         16, ge=1, le=65535, description="maximal number of objects, best scores first"
     )
+    hole_probability: Annotated[float, Unit.PROBABILITY] = Field(
+        0.25,
+        ge=0,
+        le=1,
+        description="mean probability to move from which a hole of plain colour belongs to the object around it; 1 "
+        "fills none",
+    )
+    hole_error: Annotated[float, Unit.GREY_LEVELS] = Field(
+        10.0,
+        ge=0,
+        description="colour error that the background's motion leaves in a hole of plain colour, at most, grey levels",
+    )

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "0d4292ac1f3e1faa",
-    "oc-depth": "4c1424891cf0bc5c",
-    "oc": "ea1d03aea3f1e835",
-    "trajs": "1a476078372ee77c",
-    "base": "83b706ee23df19cd",
+    "fused": "b908a9312abc3f73",
+    "oc-depth": "2d2296a446ffd1a9",
+    "oc": "974ade9bbeef22aa",
+    "trajs": "83b27eb30554207d",
+    "base": "c0265a49228e0006",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "f3f0a007f244c063",
+    "tracks": "d574b8677a393e54",
 }
 
 

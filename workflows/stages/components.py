@@ -20,7 +20,7 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.proposals import keep_best, label_components, rejoin_components, split_touching
+    from moseg.tasks.proposals import fill_holes, keep_best, label_components, rejoin_components, split_touching
 
     identity = IdentityParams.of_recipe(params["identity"])
     foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
@@ -34,7 +34,10 @@ def _run(params, inputs, rng):
         images = reduced_images(inputs.all("frames"), labels.shape[1:])
         labels = rejoin_components(labels, images, flows, residual_flows, identity)
     components = keep_best(foreground, labels, component_params)
-    return Output({"labels": components.labels, "scores": components.scores})
+    objects = components.labels
+    if objects.any():
+        objects = fill_holes(objects, foreground, images, flows, residual_flows, component_params)
+    return Output({"labels": objects, "scores": components.scores})
 
 
 def _params(config: PipelineConfig, num_frames: int) -> dict:
@@ -45,7 +48,7 @@ def _params(config: PipelineConfig, num_frames: int) -> dict:
     }
 
 
-SPACE_TIME = Task("components", "space-time", version=2, run=_run, params=_params)
+SPACE_TIME = Task("components", "space-time", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="components",

@@ -222,7 +222,7 @@ def _method(config: PipelineConfig) -> str:
     return config.proposal_source if config.proposal_source in MOTION_SOURCES else "given"
 
 
-SALIENCY = Task("proposals", "saliency", version=3, run=_run_saliency, params=_saliency_params)
+SALIENCY = Task("proposals", "saliency", version=4, run=_run_saliency, params=_saliency_params)
 DENSE_TRACKS = Task("proposals", "tracks", version=2, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)

@@ -56,6 +56,17 @@ def test_an_edge_between_cells_is_found_at_full_size():
     assert (columns[0], columns[-1]) == (78, 175)
 
 
+def test_a_hole_that_was_filled_belongs_to_the_object_at_full_size():
+    """Its label says so, whereas its probability to move is below a half, and its colour not that of the object."""
+    frame, labels, foreground = scene([(8, 40, 12, 52)])
+    hole = np.s_[18:30, 24:40]
+    foreground[hole] = 0.3
+    frame[72:120, 96:160] = (150, 90, 90)
+    assert (refine_outlines(frame, labels, foreground, *PARAMS)[40:152, 56:200] == 1).all()
+    labels[hole] = 0
+    assert not refine_outlines(frame, labels, foreground, *PARAMS)[84:108, 108:148].any()
+
+
 def test_two_objects_side_by_side_keep_their_labels():
     frame, labels, foreground = scene([(12, 30, 10, 26), (36, 44, 44, 60), (12, 30, 26, 40)])
     objects = refine_outlines(frame, labels, foreground, *PARAMS)
