@@ -14,6 +14,7 @@ from moseg.tasks.saliency.choice import LAYERS, BackgroundChoice
 from moseg.tasks.saliency.grid import vector_length
 from moseg.tasks.saliency.layers import Background, fit_layers
 from moseg.tasks.saliency.photometric import blur_error, colour_error, photometric_gate
+from moseg.tasks.saliency.rest import is_at_rest, resting_background
 from moseg.tasks.saliency.rigid import explain_rigidly
 from moseg.tasks.saliency.soft_map import soft_map
 
@@ -92,7 +93,7 @@ def estimate_saliency(
         if not _is_given(frame, other, flow, size):
             continue
         observed = flow_on_grid(flow, shape, size)
-        background = _explain(observed, params, choice)
+        background = _explain(observed, resampled, params, choice)
         flows[direction], residual_flows[direction] = to_float16(observed), to_float16(observed - background.flow)
         first_layers[direction] = background.first_layer
         backgrounds.append(background)
@@ -101,7 +102,8 @@ def estimate_saliency(
         return FrameSaliency(*np.zeros((2, *shape), np.float16), flows, residual_flows, (None, None))
     residual = np.minimum.reduce([background.residual for background in backgrounds])
     speed = np.minimum.reduce([vector_length(background.flow) for background in backgrounds])
-    ungated = soft_map(residual, speed, params, choice.model == "rigid")
+    at_rest = all(background.is_at_rest for background in backgrounds)
+    ungated = soft_map(residual, speed, params, choice.model == "rigid" and not at_rest, at_rest)
     error = blur_error(np.minimum.reduce(errors), params.gate_blur)
     saliency, strict = (
         to_float16(ungated * photometric_gate(error, scale)) for scale in (params.gate_error, params.strict_gate_error)
@@ -109,8 +111,10 @@ def estimate_saliency(
     return FrameSaliency(saliency, strict, flows, residual_flows, tuple(first_layers))
 
 
-def _explain(flow: np.ndarray, params: SaliencyParams, choice: BackgroundChoice) -> Background:
-    """Fit the background by the chosen model, or by layers where a pair shows no camera motion."""
+def _explain(flow: np.ndarray, image: np.ndarray, params: SaliencyParams, choice: BackgroundChoice) -> Background:
+    """Return a background at rest, or fit the chosen model, or layers where a pair shows no camera motion."""
+    if is_at_rest(flow, image, params):
+        return resting_background(flow, params)
     motion = fit_camera_motion(flow, choice.focal, params) if choice.model == "rigid" else None
     return fit_layers(flow, params) if motion is None else explain_rigidly(flow, motion, params)
 

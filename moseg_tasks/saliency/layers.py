@@ -21,11 +21,14 @@ class Background(NamedTuple):
         px/frame.
     first_layer : AffineMotion or None
         Motion of the first layer; None for a rigid scene.
+    is_at_rest : bool
+        Whether it does not move at all, and so leaves no residual of its own.
     """
 
     flow: np.ndarray
     residual: np.ndarray
     first_layer: AffineMotion | None = None
+    is_at_rest: bool = False
 
 
 def fit_layers(flow: np.ndarray, params: SaliencyParams) -> Background:

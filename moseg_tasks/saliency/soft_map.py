@@ -7,7 +7,13 @@ from moseg.schemas.parameters import SaliencyParams
 from moseg.tasks.saliency.layers import typical_residual
 
 
-def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: SaliencyParams, is_rigid: bool) -> np.ndarray:
+def soft_map(
+    residual: np.ndarray,
+    background_speed: np.ndarray,
+    params: SaliencyParams,
+    is_rigid: bool,
+    is_at_rest: bool = False,
+) -> np.ndarray:
     """Return r^2 / (r^2 + tau^2) of the blurred residual r.
 
     The floors keep a frame without movers empty. Layers leave a residual above them wherever depth varies, which Otsu's
@@ -22,6 +28,8 @@ def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: Salienc
     params : SaliencyParams
     is_rigid : bool
         Whether the background is a rigid scene, else layers.
+    is_at_rest : bool, optional
+        Whether it is at rest. Then most of the frame may move, and its typical residual says nothing of the background.
 
     Returns
     -------
@@ -29,7 +37,8 @@ def soft_map(residual: np.ndarray, background_speed: np.ndarray, params: Salienc
         0..1, 1/2 where the residual equals tau.
     """
     smooth = cv2.GaussianBlur(residual, (0, 0), params.residual_blur)
-    floor = max(params.floor, params.floor_medians * typical_residual(residual, params.border_band))
+    typical = 0.0 if is_at_rest else typical_residual(residual, params.border_band)
+    floor = max(params.floor, params.floor_medians * typical)
     if not is_rigid:
         floor = max(floor, _otsu(residual, params.otsu_percentile))
     tau = np.maximum(params.floor_motion * background_speed, np.float32(floor))

@@ -11,6 +11,10 @@ from moseg.tasks.rigidity.explained_shares import ExplainedShares, explained_sha
 from moseg.tasks.rigidity.focal_length import focal_of_pairs
 from moseg.tasks.rigidity.relative_pose import fit_pose
 
+_BORDER = 0.15
+"""Width of a border, in shorter sides of the frame."""
+_MIN_CORNERS = 5  # of a border that can be at rest
+
 
 class PairEvidence(NamedTuple):
     """Evidence of one frame pair.
@@ -41,6 +45,9 @@ def measure_pairs(
 ) -> list[PairEvidence]:
     """Return the evidence of the frame pairs of a stretch over which the camera moves.
 
+    A camera moves if most corners do, unless those at two opposite borders are exactly where they were: someone at work
+    before a camera at rest can have most of the corners.
+
     Parameters
     ----------
     pairs : sequence of (float64 (N, 2), float64 (N, 2))
@@ -50,7 +57,7 @@ def measure_pairs(
     rigidity : RigidityParams
         Of the camera's motion, its focal length and the noise of displacements.
     """
-    moving = [pair for pair in pairs if len(pair[0]) >= params.min_tracks and _motion(*pair) >= params.min_motion]
+    moving = [pair for pair in pairs if len(pair[0]) >= params.min_tracks and _camera_moves(*pair, shape, params)]
     # Every other pair determines it as well, in half the time.
     focal = focal_of_pairs(moving[::2], shape, rigidity)
     measured = (_measure(*pair, focal, shape, params, rigidity) for pair in moving)
@@ -77,6 +84,25 @@ def _sees_epipole(camera: CameraMotion, shape: tuple[int, int]) -> bool:
     # Of K t, before the division by its last entry, which may be 0.
     from_centre = camera.focal * np.abs([sideways, down])
     return bool(ahead > 0 and (from_centre <= ahead * np.array([width - 1, height - 1]) / 2).all())
+
+
+def _camera_moves(
+    points0: np.ndarray, points1: np.ndarray, shape: tuple[int, int], params: SceneParallaxParams
+) -> bool:
+    """Return whether the median displacement is large enough, and no two opposite borders are at rest."""
+    displacements = np.linalg.norm(points1 - points0, axis=1)
+    if np.median(displacements) < params.min_motion:
+        return False
+    rests, width = displacements < params.rest_motion, _BORDER * min(shape)
+    sides = (
+        (points0[:, axis] < width, points0[:, axis] > size - 1 - width) for axis, size in ((0, shape[1]), (1, shape[0]))
+    )
+    return not any(all(_rests(rests[band], params) for band in pair) for pair in sides)
+
+
+def _rests(rests: np.ndarray, params: SceneParallaxParams) -> bool:
+    """Return whether enough of a border's corners are at rest, and there are enough of these."""
+    return len(rests) >= _MIN_CORNERS and rests.mean() >= params.rest_share
 
 
 def _motion(points0: np.ndarray, points1: np.ndarray) -> float:

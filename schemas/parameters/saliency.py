@@ -51,6 +51,19 @@ class SaliencyParams(Frozen):
         le=0.5,
         description="band along the border that is more likely background than the middle, share of height",
     )
+    rest_motion: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
+        0.05, ge=0, description="flow below which a pixel is at rest, px/frame; 0 finds no camera at rest"
+    )
+    rest_gradient: Annotated[float, Unit.GREY_LEVELS] = Field(
+        3.0, ge=0, description="gradient from which a pixel shows whether it is at rest, grey levels per px"
+    )
+    rest_share: Annotated[float, Unit.SHARE] = Field(
+        0.4,
+        gt=0,
+        le=1,
+        description="share of such pixels at rest at two opposite borders from which the camera is at rest, and the "
+        "background has no motion",
+    )
     centre_thinning: Annotated[int, Unit.COUNT] = Field(
         3, ge=1, description="factor by which both grids are thinned in the middle of the frame"
     )

@@ -36,6 +36,16 @@ class SceneParallaxParams(Frozen):
     min_motion: Annotated[float, Unit.PIXELS] = Field(
         1.0, ge=0, description="median displacement below which the camera counts as still over a pair, px"
     )
+    rest_motion: Annotated[float, Unit.PIXELS] = Field(
+        0.15, ge=0, description="displacement below which a corner is at rest over a pair, px"
+    )
+    rest_share: Annotated[float, Unit.SHARE] = Field(
+        0.4,
+        gt=0,
+        le=1,
+        description="share of corners at rest at two opposite borders from which the camera counts as still over a "
+        "pair, whatever else moves",
+    )
     plane_slack: Annotated[float, Unit.RATIO] = Field(
         1.4, gt=0, description="error allowed under the homography, in those allowed under the rigid scene"
     )

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "b908a9312abc3f73",
-    "oc-depth": "2d2296a446ffd1a9",
-    "oc": "974ade9bbeef22aa",
-    "trajs": "83b27eb30554207d",
-    "base": "c0265a49228e0006",
+    "fused": "b30de319d97a941f",
+    "oc-depth": "d99e89ecd0996f16",
+    "oc": "825b2b59ca23b314",
+    "trajs": "7cce24d299a69748",
+    "base": "345453ac5990d883",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "d574b8677a393e54",
+    "tracks": "32212cd17b9f8368",
 }
 
 

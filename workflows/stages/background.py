@@ -15,6 +15,7 @@ SELECTION_PARAMS = PAIRS_PARAMS | {
 """Parameters of saliency that only the selection reads."""
 RESIDUAL_PARAMS = frozenset(
     {"ground_relief", "support_slope", "support_noise", "residual_blur", "floor", "floor_medians", "floor_motion"}
+    | {"rest_motion", "rest_gradient", "rest_share"}
     | {"otsu_percentile", "outline_share", "outline_reach", "gate_blur", "gate_error", "strict_gate_error"}
 )
 """Parameters of saliency that only the saliency of a frame reads."""

@@ -61,7 +61,7 @@ def _repeated_params(config: PipelineConfig, previous: bool, next: bool) -> dict
 
 
 BACKGROUND_RESIDUAL = Task(
-    "saliency", "background-residual", version=7, run=_run, params=_params, is_cheap=True, is_cue=True
+    "saliency", "background-residual", version=8, run=_run, params=_params, is_cheap=True, is_cue=True
 )
 REPEATED = Task(
     "saliency", "repeated", version=1, run=_run_repeated, params=_repeated_params, is_cheap=True, is_cue=True

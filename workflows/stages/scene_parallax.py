@@ -51,7 +51,7 @@ def _params(
     }
 
 
-EPIPOLAR = Task("scene_parallax", "epipolar", version=2, run=_run, params=_params)
+EPIPOLAR = Task("scene_parallax", "epipolar", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="scene_parallax",

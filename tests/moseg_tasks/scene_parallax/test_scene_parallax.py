@@ -54,6 +54,58 @@ def test_frames_without_corners_are_no_evidence():
     assert choose_source([], 1, PARAMS).proposals == "saliency"
 
 
+def _corners(at_rest=(), rest=(0.0, 0.0), move=(9.0, 3.0)):
+    """Return a pair of the corners of frames of 240 x 320 px, of which those in some borders move by `rest`, px."""
+    points = np.random.default_rng(4).uniform((0, 0), (319, 239), (400, 2))
+    x, y = points.T
+    borders = {"left": x < 36, "right": x > 283, "top": y < 36, "bottom": y > 203}
+    rests = np.any([np.zeros(len(points), bool)] + [borders[side] for side in at_rest], axis=0)
+    return points, points + np.where(rests[:, None], rest, move)
+
+
+def _num_moving(pair, **params):
+    return len(measure_pairs([pair], (240, 320), PARAMS.model_copy(update=params), RigidityParams()))
+
+
+@pytest.mark.parametrize(
+    ("at_rest", "rest", "moves"),
+    [
+        (("left", "right"), (0.1, 0.1), False),
+        (("top", "bottom"), (0.1, 0.1), False),
+        (("left", "right"), (0.2, 0.0), True),
+        # The bonnet of the car in which the camera drives.
+        (("bottom",), (0.0, 0.0), True),
+        (("left", "top"), (0.0, 0.0), True),
+        ((), (0.0, 0.0), True),
+    ],
+)
+def test_a_camera_is_still_where_opposite_borders_are_at_rest_whatever_most_corners_do(at_rest, rest, moves):
+    pair = _corners(at_rest, rest)
+    assert np.median(np.linalg.norm(pair[1] - pair[0], axis=1)) > 9
+    assert _num_moving(pair) == moves
+    assert _num_moving(pair, rest_motion=0) == 1
+
+
+def test_enough_of_the_corners_at_both_borders_must_be_at_rest():
+    points0, points1 = _corners(("left", "right"))
+    left = np.flatnonzero(points0[:, 0] < 36)
+    points1[left[: round(0.65 * len(left))]] += 2
+    assert _num_moving((points0, points1)) == 1
+    assert _num_moving((points0, points1), rest_share=0.3) == 0
+
+
+@pytest.mark.parametrize(("number", "moves"), [(4, True), (5, False)])
+def test_a_border_with_hardly_any_corner_is_not_at_rest(number, moves):
+    points0, points1 = _corners(("left", "right"))
+    left = points0[:, 0] < 36
+    kept = ~left | (np.cumsum(left) <= number)
+    assert _num_moving((points0[kept], points1[kept])) == moves
+
+
+def test_a_camera_is_still_where_most_corners_move_little():
+    assert [_num_moving(_corners(move=(speed, 0.0))) for speed in (0.9, 1.1)] == [0, 1]
+
+
 @pytest.mark.parametrize(
     ("evidence", "num_pairs", "source"),
     [
