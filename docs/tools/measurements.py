@@ -49,6 +49,8 @@ VIEWS = {
 }
 SENSITIVITIES = ("0.25", "0.5", "0.7", "1.5", "2", "4")
 """Of objects of tracks, beside the default of 1."""
+ROAD_SEEDS = ("1", "2", "3", "4")
+"""Of the camera's motion and of the motion groups, beside the default of 0."""
 ROAD_PARTS = {
     "gap-2": "--set rigidity.gaps=2",
     "gap-4": "--set rigidity.gaps=4",
@@ -56,6 +58,7 @@ ROAD_PARTS = {
     "no-contact": "--set rigidity.contact_lift=2",
     "no-field": "--set track_field.coupling=0",
     "no-groups": "--set track_groups.min_moving=1000000",
+    "no-static-parts": "--set track_objects.min_static_test=3",
     "no-completion": "--set track_objects.min_surface=2",
     "no-scattering": "--set track_objects.min_scattered_score=0",
     "no-comparison": "--set rigid_support.use=never",
@@ -217,6 +220,9 @@ def _roads() -> dict[str, str]:
     commands = {f"roads-{motions}": f"moseg ablate {ROADS} --motions {motions}" for motions in MOTIONS}
     commands["roads-fast"] = f"moseg eval {ROADS} --motions auto --quality fast"
     commands["roads-saliency"] = f"moseg eval {ROADS} --motions auto --proposals saliency"
+    for seed in ROAD_SEEDS:
+        options = f"--set rigidity.seed={seed} --set track_groups.seed={seed}"
+        commands[f"roads-seed-{seed}"] = f"moseg eval {ROADS} --motions auto {options}"
     for part, options in ROAD_PARTS.items():
         commands[f"roads-{part}"] = f"moseg eval {ROADS} --motions auto {options}"
     for data, sequences in (("roads", ROADS), ("still", STILL)):

@@ -1,7 +1,7 @@
 """Tables of road scenes, and of sequences in which nothing moves."""
 
 from measured_data import DATA
-from measurements import SENSITIVITIES
+from measurements import ROAD_SEEDS, SENSITIVITIES
 from table_cells import SCORES, VIEWS, Rows, scores_of
 
 
@@ -20,6 +20,22 @@ def _road_clips() -> Rows:
     return [("clip", *SCORES), *rows]
 
 
+def _road_seeds() -> Rows:
+    clips = ("Seq009_Clip03", "Seq028_Clip01", "Seq038_Clip02", "Seq095_Clip01")
+    names = {"0 (default)": "roads-auto"} | {seed: f"roads-seed-{seed}" for seed in ROAD_SEEDS}
+    return [
+        ("seed", "Fu", "J", *(f"Fu / J of {clip}" for clip in clips)),
+        *(
+            (
+                seed,
+                *scores_of(name)[2:],
+                *(f"{{{name}/fused/F@{clip}}} / {{{name}/fused/J@{clip}}}" for clip in clips),
+            )
+            for seed, name in names.items()
+        ),
+    ]
+
+
 def _still(name: str, sequence: str = "") -> str:
     at = f"@{sequence}" if sequence else ""
     return f"{{{name}/fused/false_pixels{at}:.2f}} / {{{name}/fused/false_frames{at}:.0f}}"
@@ -34,6 +50,7 @@ def _road_parts() -> Rows:
         "no-contact": "no test of the contact with the ground",
         "no-field": "no agreement with neighbours",
         "no-groups": "candidates not regrouped by motion",
+        "no-static-parts": "parts that seem to move as the background does never kept",
         "no-completion": "objects without the rest of their surfaces, all of them scattered",
         "no-scattering": "scattered objects asked for no more evidence",
         "no-comparison": "objects not compared with a rigid scene",
@@ -107,6 +124,7 @@ TABLES = {
     "given-cameras": _given_cameras(),
     "roads": _roads(),
     "road-clips": _road_clips(),
+    "road-seeds": _road_seeds(),
     "road-parts": _road_parts(),
     "road-curve": _road_curve(),
     "still": _still_sequences(),

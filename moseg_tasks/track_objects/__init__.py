@@ -4,12 +4,13 @@ from moseg.tasks.track_objects.candidates import find_candidates
 from moseg.tasks.track_objects.field import PairEvidence, couple_tracks, mean_field, track_evidence
 from moseg.tasks.track_objects.groups import TrackGroups, group_tracks
 from moseg.tasks.track_objects.objects import TrackObjects, judge_objects
-from moseg.tasks.track_objects.regroup import regroup_candidates
+from moseg.tasks.track_objects.regroup import RegroupedTracks, moving_group, regroup_candidates
 from moseg.tasks.track_objects.static_candidates import static_candidates
 from moseg.tasks.track_objects.surfaces import find_surfaces
 
 __all__ = [
     "PairEvidence",
+    "RegroupedTracks",
     "TrackGroups",
     "TrackObjects",
     "couple_tracks",
@@ -18,6 +19,7 @@ __all__ = [
     "group_tracks",
     "judge_objects",
     "mean_field",
+    "moving_group",
     "regroup_candidates",
     "static_candidates",
     "track_evidence",

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from moseg.schemas.parameters import TrackObjectParams
+from moseg.tasks.track_objects.compactness import enclosed_share
 from moseg.tasks.track_objects.field import PairEvidence
+from moseg.tasks.track_objects.regroup import RegroupedTracks
 from moseg.tasks.track_objects.score import score_groups
 from moseg.tasks.track_objects.wholeness import complete_objects
 
@@ -40,9 +42,10 @@ class TrackObjects(NamedTuple):
 
 
 def judge_objects(
-    group: np.ndarray,
+    groups: RegroupedTracks,
     candidate: np.ndarray,
     surface: np.ndarray,
+    points: np.ndarray,
     visible: np.ndarray,
     evidence: PairEvidence,
     params: TrackObjectParams,
@@ -50,15 +53,18 @@ def judge_objects(
     """Decide which groups of tracks move, by an absolute measure of evidence: in a static scene none does.
 
     The evidence is that of the groups as given; then each takes the rest of the surfaces of which it has a good part.
+    A static group, which its motion group says is background, is an object only if it is compact, and its patches say
+    clearly that no rigid position explains them; else its tracks belong to the background.
 
     Parameters
     ----------
-    group : integer (track,)
-        As `regroup_candidates` returns it.
+    groups : RegroupedTracks
     candidate : uint16 (track,)
         0 = none. Parts of several candidates with little evidence each are no object, whatever their sum.
     surface : integer (track,)
         0 = none. What lies on no surface needs more evidence: slips of the tracker are scattered.
+    points : floating (track, frame, xy)
+        px; read only where `visible`.
     visible : bool (track, frame)
     evidence : PairEvidence
     params : TrackObjectParams
@@ -66,10 +72,11 @@ def judge_objects(
     Returns
     -------
     TrackObjects
-        Of all groups, whether they move or not.
+        Of all groups, whether they move or not, but static ones with too little evidence.
     """
-    count = int(group.max(initial=-1)) + 1
     strict = evidence.strict_error, evidence.strict_test
+    group = _without_static_groups(groups, points, visible, *strict, params)
+    count = int(group.max(initial=-1)) + 1
     found = score_groups(group, count, visible, *strict, params.max_error)
     stride = int(candidate.max(initial=0)) + 1
     part, member = np.unique(np.where(group >= 0, group * stride + candidate, -1), return_inverse=True)
@@ -100,3 +107,23 @@ def judge_objects(
         best_part=best_part[order],
         on_surface=whole.on_surface[order],
     )
+
+
+def _without_static_groups(
+    groups: RegroupedTracks,
+    points: np.ndarray,
+    visible: np.ndarray,
+    errors: np.ndarray,
+    tests: np.ndarray,
+    params: TrackObjectParams,
+) -> np.ndarray:
+    """Return the group of each track, int64 (track,), without the static groups that have too little evidence.
+
+    They must not take the surfaces of others, therefore they go before these are completed.
+    """
+    found = score_groups(groups.group, len(groups.is_static), visible, errors, tests, params.max_error)
+    has_score = found.score >= params.min_score / params.sensitivity
+    kept = ~groups.is_static | (has_score & (found.test >= params.min_static_test / params.sensitivity))
+    for number in np.flatnonzero(kept & groups.is_static):
+        kept[number] = enclosed_share(points, visible, groups.group == number) >= params.min_enclosed
+    return np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)[groups.group]

@@ -1,8 +1,13 @@
 """Regrouping of candidates by motion group: static tracks go, two motions part, parts of one motion join."""
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
+from sklearn.metrics import adjusted_rand_score
 
 from moseg.schemas.parameters import CandidateParams, RegroupParams
 from moseg.tasks.track_objects.candidates import join_tracks
@@ -11,20 +16,39 @@ from moseg.tasks.track_objects.groups import TrackGroups
 _MIN_SEEN = 2  # tracks of a part in a frame that show where it is
 
 
+class RegroupedTracks(NamedTuple):
+    """Groups of tracks, cut and joined by motion group.
+
+    Attributes
+    ----------
+    group : int64 (track,)
+        From 0; -1 = none.
+    is_static : bool (group,)
+        Whether the group was cut from a candidate because it moves as the background seems to do.
+    """
+
+    group: np.ndarray
+    is_static: np.ndarray
+
+
 def regroup_candidates(
     points: np.ndarray,
     visible: np.ndarray,
     candidate: np.ndarray,
-    groups: TrackGroups,
+    samples: Sequence[TrackGroups],
     join_params: CandidateParams,
     params: RegroupParams,
-) -> np.ndarray:
-    """Return the object of each track.
+) -> RegroupedTracks:
+    """Return the groups that the candidates' tracks form, by the motion groups of the most typical sample.
 
-    Motion groups of the sample spread to the candidates' other tracks. A candidate loses the tracks that belong to a
-    group of static ones, unless it would lose most of them: a car that comes along its epipolar lines moves as the
-    background does. Its other tracks part by group; parts of one group join if they are near in a frame, or if one
-    follows the other in time.
+    Now and then a sample joins two movers, or gives one to the background, that others tell apart. The candidates are
+    regrouped by each sample, and the result that agrees most with the others is taken: that of the largest mean
+    adjusted Rand index. All static tracks count as one group there.
+
+    Motion groups of the sample spread to the candidates' other tracks. The tracks of a candidate that belong to a group
+    of static ones are cut from it, in pieces of joined tracks, unless these are most of it: a car that comes along its
+    epipolar lines moves as the background does. Its other tracks part by group; parts of one group join if they are
+    near in a frame, or if one follows the other in time.
 
     Parameters
     ----------
@@ -33,34 +57,66 @@ def regroup_candidates(
     visible : bool (track, frame)
     candidate : uint16 (track,)
         0 = none.
-    groups : TrackGroups
+    samples : sequence of TrackGroups
+        Of which either all are empty or none is.
     join_params : CandidateParams
         With which the candidates were joined.
     params : RegroupParams
 
     Returns
     -------
-    int64 (track,)
-        From 0; -1 = none.
+    RegroupedTracks
     """
     tracks = np.flatnonzero(candidate)
+    if not any(len(groups.track) for groups in samples):
+        objects = np.where(candidate > 0, candidate.astype(np.int64) - 1, -1)
+        return RegroupedTracks(objects, np.zeros(int(candidate.max(initial=0)), bool))
+    joined = join_tracks(points, visible, tracks, join_params)
+    found = [_regrouped(points, visible, candidate, groups, joined, params) for groups in samples]
+    return found[_most_typical([moving_group(each)[tracks] for each in found])]
+
+
+def moving_group(found: RegroupedTracks) -> np.ndarray:
+    """Return the group of each track, int64 (track,), -1 also where it is a static one."""
+    return np.where(np.append(found.is_static, True)[found.group], -1, found.group)
+
+
+def _most_typical(groupings: Sequence[np.ndarray]) -> int:
+    """Return which of several groupings of the same tracks agrees most with the others; the first of equal ones."""
+    agreement = np.zeros(len(groupings))
+    for first in range(len(groupings)):
+        for second in range(first):
+            agreement[[first, second]] += adjusted_rand_score(groupings[first], groupings[second])
+    return int(agreement.argmax())
+
+
+def _regrouped(
+    points: np.ndarray,
+    visible: np.ndarray,
+    candidate: np.ndarray,
+    groups: TrackGroups,
+    joined: csr_matrix,
+    params: RegroupParams,
+) -> RegroupedTracks:
+    """Return the groups that the candidates' tracks form, by the motion groups of one sample."""
+    tracks = np.flatnonzero(candidate)
     objects = np.full(len(candidate), -1)
-    if not len(groups.track):
-        objects[tracks] = candidate[tracks].astype(np.int64) - 1
-        return objects
     is_static = _static_groups(groups, params)
     group = np.full(len(candidate), -1)
-    group[tracks] = _spread(join_tracks(points, visible, tracks, join_params), tracks, groups, len(is_static), params)
+    group[tracks] = _spread(joined, tracks, groups, len(is_static), params)
     parts: list[tuple[int, np.ndarray]] = []
+    static_pieces: list[np.ndarray] = []
     for number in range(1, int(candidate.max(initial=0)) + 1):
-        for motion, part in _split(np.flatnonzero(candidate == number), group, is_static, params):
+        moving, static = _split(np.flatnonzero(candidate == number), group, is_static, params)
+        for motion, part in moving:
             near = [at for at, (other, _) in enumerate(parts) if motion == other >= 0]
             near = [at for at in near if _belong_together(parts[at][1], part, points, visible, params)]
             part = np.concatenate([part, *(parts[at][1] for at in near)])
             parts = [entry for at, entry in enumerate(parts) if at not in near] + [(motion, part)]
-    for number, (_, part) in enumerate(parts):
+        static_pieces += _pieces(static, joined, tracks, params)
+    for number, part in enumerate([*(part for _, part in parts), *static_pieces]):
         objects[part] = number
-    return objects
+    return RegroupedTracks(objects, np.arange(len(parts) + len(static_pieces)) >= len(parts))
 
 
 def _static_groups(groups: TrackGroups, params: RegroupParams) -> np.ndarray:
@@ -90,17 +146,28 @@ def _spread(
 
 def _split(
     part: np.ndarray, group: np.ndarray, is_static: np.ndarray, params: RegroupParams
-) -> list[tuple[int, np.ndarray]]:
-    """Return the parts of a candidate by motion group; the candidate itself, with group -1, if it stays whole."""
+) -> tuple[list[tuple[int, np.ndarray]], np.ndarray]:
+    """Return the moving parts of a candidate by motion group, and its static tracks.
+
+    A candidate that stays whole is one part, with group -1.
+    """
     own = group[part]
     known = own[own >= 0]
     moving = known[~is_static[known]]
     if len(known) - len(moving) >= params.keep_whole * len(known):
-        return [(-1, part)]
+        return [(-1, part)], part[:0]
     main = np.bincount(moving).argmax()
     own = np.where(own < 0, main, own)
     found = [(int(motion), part[own == motion]) for motion in np.unique(moving)]
-    return [(motion, tracks) for motion, tracks in found if len(tracks) >= params.min_part]
+    return [(motion, tracks) for motion, tracks in found if len(tracks) >= params.min_part], part[is_static[own]]
+
+
+def _pieces(part: np.ndarray, joined: csr_matrix, tracks: np.ndarray, params: RegroupParams) -> list[np.ndarray]:
+    """Return the pieces of a part, among `tracks`, whose tracks are joined."""
+    rows = np.searchsorted(tracks, part)
+    count, piece = connected_components(joined[rows][:, rows], directed=False)
+    found = [part[piece == number] for number in range(count)]
+    return [tracks for tracks in found if len(tracks) >= params.min_part]
 
 
 def _belong_together(

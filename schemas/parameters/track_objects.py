@@ -109,8 +109,17 @@ on the tracks of a video are not measured."""
 
 
 class TrackGroupParams(Frozen):
-    """Motion groups of a balanced sample of static tracks and of the candidates' tracks."""
+    """Motion groups of balanced samples of static tracks and of the candidates' tracks."""
 
+    seed: Annotated[int, Unit.SEED] = Field(
+        0, ge=0, description="seed of the random draws, of the sample and of the grouping; nothing else depends on it"
+    )
+    num_samples: Annotated[int, Unit.COUNT] = Field(
+        5,
+        ge=1,
+        le=1000,
+        description="number of samples; the grouping that agrees most with those of the others is taken",
+    )
     max_moving: Annotated[int, Unit.COUNT] = Field(250, ge=1, description="largest number of the candidates' tracks")
     max_static: Annotated[int, Unit.COUNT] = Field(120, ge=1, description="largest number of static tracks")
     min_moving: Annotated[int, Unit.COUNT] = Field(
@@ -198,6 +207,20 @@ class TrackObjectParams(Frozen):
         le=3,
         description="smallest mean strict test of a moving object: how much worse the best rigid position explains"
         " its patches than the tracked one",
+    )
+    min_static_test: Annotated[float, Unit.RATIO] = Field(
+        0.5,
+        ge=-1,
+        le=3,
+        description="smallest mean strict test of a part that was cut from a candidate because it seems to move as the"
+        " background does",
+    )
+    min_enclosed: Annotated[float, Unit.SHARE] = Field(
+        0.85,
+        ge=0,
+        le=1,
+        description="smallest share of such a part's own tracks among those inside its convex hull: a body fills its"
+        " place",
     )
     min_ratio: Annotated[float, Unit.SHARE] = Field(
         0.02,

@@ -98,6 +98,8 @@ def test_every_input_is_a_leaf_or_a_node():
         ({"track_objects": {"min_score": 300.0}}, FOUND | END),
         ({"track_objects": {"sensitivity": 2.0}}, FOUND | END),
         ({"track_groups": {"max_static": 100}}, {"track_groups"} | FOUND | END),
+        ({"track_groups": {"seed": 1}}, {"track_groups"} | FOUND | END),
+        ({"track_groups": {"num_samples": 1}}, {"track_groups"} | FOUND | END),
         ({"track_field": {"coupling": 1.0}}, CANDIDATES | FOUND | END),
         ({"track_candidates": {"radius": 20.0}}, CANDIDATES | FOUND | END),
         ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | SURFACES | FOUND | END),
@@ -177,11 +179,6 @@ def test_objects_are_groups_of_the_candidates_tracks(evaluated_tracks):
         assert found.shape == candidate.shape == state.shape
         assert not candidate[state <= 0].any()
         assert not found[candidate == 0].any()
-        track, is_candidate, motion = (
-            store.read(inputs["track_groups"], name) for name in ("track", "is_candidate", "motion")
-        )
-        assert track.shape == is_candidate.shape == motion.shape
-        np.testing.assert_array_equal(candidate[track] > 0, is_candidate)
         num_objects = len(store.read(ref, "is_moving"))
         assert {len(values) for values in store.attributes(ref).values()} == {num_objects}
         assert found.max(initial=0) == num_objects
@@ -233,6 +230,22 @@ def test_a_car_that_comes_along_its_epipolar_line_is_found_among_static_surfaces
     assert (scores > 0).tolist() == attributes["is_moving"]
     (ref,) = store.refs("rigid_support")
     assert store.read(ref, "support").tolist() == [1, 0, 1, 1, 1, 1]
+
+
+def test_samples_of_tracks_are_grouped_one_by_one(evaluate_drive):
+    _, store, _ = evaluate_drive("fused")
+    (ref,) = store.refs("track_groups")
+    candidate = store.read(store.manifest(ref).recipe.inputs["moving_tracks"], "candidate")
+    sample, track, is_candidate, motion = (
+        store.read(ref, name) for name in ("sample", "track", "is_candidate", "motion")
+    )
+    assert sample.shape == track.shape == is_candidate.shape == motion.shape
+    assert np.unique(sample).tolist() == list(range(5))
+    np.testing.assert_array_equal(candidate[track] > 0, is_candidate)
+    for number in range(5):
+        drawn = track[sample == number]
+        assert len(np.unique(drawn)) == len(drawn)
+        assert np.unique(motion[sample == number]).tolist() == list(range(motion[sample == number].max() + 1))
 
 
 def test_base_takes_all_surfaces_as_moving_and_without_them_equals_fused(evaluate_drive):

@@ -1,8 +1,11 @@
-"""Track groups: motion groups of a balanced sample of a window's dense tracks."""
+"""Track groups: motion groups of balanced samples of a window's dense tracks."""
+
+import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import TrackGroupParams
+from moseg.workflows.stages.inputs import Inputs
 from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -14,9 +17,21 @@ def _run(params, inputs, rng):
 
     moving = inputs["moving_tracks"]
     group_params = TrackGroupParams.of_recipe(params)
-    return Output(
-        group_tracks(*tracks_of(inputs), moving.array("state"), moving.array("candidate"), group_params, rng)._asdict()
-    )
+    evidence = (*tracks_of(inputs), moving.array("state"), moving.array("candidate"))
+    samples = [group_tracks(*evidence, group_params, rng) for _ in range(group_params.num_samples)]
+    arrays = {name: np.concatenate([getattr(each, name) for each in samples]) for name in samples[0]._fields}
+    sample = np.repeat(np.arange(len(samples)), [len(each.track) for each in samples])
+    return Output({"sample": sample.astype(np.uint16), **arrays})
+
+
+def samples_of(inputs: Inputs) -> list:
+    """Return the `TrackGroups` of each sample of a window's tracks; none if there were too few tracks."""
+    from moseg.tasks.track_objects import TrackGroups
+
+    view = inputs["track_groups"]
+    sample = view.array("sample")
+    arrays = [view.array(name) for name in TrackGroups._fields]
+    return [TrackGroups(*(array[sample == number] for array in arrays)) for number in np.unique(sample)]
 
 
 def _params(config: PipelineConfig) -> dict:
@@ -26,16 +41,17 @@ def _params(config: PipelineConfig) -> dict:
     return read
 
 
-MOTION_GROUPS = Task("track_groups", "motion-groups", version=5, run=_run, params=_params)
+MOTION_GROUPS = Task("track_groups", "motion-groups", version=6, run=_run, params=_params)
 
 STAGE = Stage(
     name="track_groups",
-    about="motion groups of a sample of a window's dense tracks",
+    about="motion groups of samples of a window's dense tracks",
     inputs={"dense_tracks": "tracks of the window", "moving_tracks": "which of them are candidates for movers"},
     arrays={
-        "track": layout("int32", "sample", "sampled track"),
-        "is_candidate": layout("bool", "sample", "whether it belongs to a candidate; else it is static"),
-        "motion": layout("uint16", "sample", "motion group"),
+        "sample": layout("uint16", "entry", "sample, from 0"),
+        "track": layout("int32", "entry", "sampled track"),
+        "is_candidate": layout("bool", "entry", "whether it belongs to a candidate; else it is static"),
+        "motion": layout("uint16", "entry", "motion group of the sample"),
     },
     tasks=(MOTION_GROUPS,),
 )

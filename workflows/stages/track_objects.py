@@ -6,18 +6,18 @@ from moseg.schemas.parameters import CandidateParams, TrackObjectParams
 from moseg.workflows.stages.moving_tracks import evidence_of, tracks_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
+from moseg.workflows.stages.track_groups import samples_of
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.track_objects import TrackGroups, judge_objects, regroup_candidates
+    from moseg.tasks.track_objects import judge_objects, regroup_candidates
 
     tracks, candidate = tracks_of(inputs), inputs["moving_tracks"].array("candidate")
-    groups = TrackGroups(*(inputs["track_groups"].array(name) for name in TrackGroups._fields))
     object_params = TrackObjectParams.of_recipe(params["objects"])
     join = CandidateParams.of_recipe(params["candidates"])
-    group = regroup_candidates(*tracks, candidate, groups, join, object_params.regroup)
+    regrouped = regroup_candidates(*tracks, candidate, samples_of(inputs), join, object_params.regroup)
     surface = inputs["track_surfaces"].array("surface")
-    found = judge_objects(group, candidate, surface, tracks[1], evidence_of(inputs), object_params)
+    found = judge_objects(regrouped, candidate, surface, *tracks, evidence_of(inputs), object_params)
     # The reasons for the decision.
     reasons = ("strength", "test", "num_tracks", "num_observations", "best_part", "on_surface")
     return Output(
@@ -33,7 +33,7 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=2, run=_run, params=_params)
+ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="track_objects",
@@ -42,7 +42,7 @@ STAGE = Stage(
         "dense_tracks": "tracks of the window",
         "rigidity": "their deviation from a rigid scene",
         "moving_tracks": "candidates for moving objects",
-        "track_groups": "motion groups of a sample of the tracks",
+        "track_groups": "motion groups of samples of the tracks",
         "track_surfaces": "surfaces of the tracks that stand above the ground",
     },
     arrays={

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import CandidateParams, HypothesisParams, RegroupParams, TrackGroupParams
-from moseg.tasks.track_objects import group_tracks, regroup_candidates
+from moseg.tasks.track_objects import group_tracks, moving_group, regroup_candidates
 
 PARAMS = TrackGroupParams()
 NUM_FRAMES, FOCAL = 8, 900.0
@@ -69,7 +69,7 @@ def test_one_candidate_of_two_cars_and_some_background_becomes_two_objects():
     assert 5 <= np.count_nonzero(around & (scene.truth == 0)) < 40
     candidate = around.astype(np.uint16)
     join, params = CandidateParams(), RegroupParams()
-    found = regroup_candidates(*scene[:2], candidate, _group(scene, candidate), join, params)
+    found = moving_group(regroup_candidates(*scene[:2], candidate, [_group(scene, candidate)], join, params))
     assert found.max() == 1
     static = found[around & (scene.truth == 0)]
     assert np.mean(static == -1) > 0.8

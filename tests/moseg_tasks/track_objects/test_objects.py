@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import TrackObjectParams
-from moseg.tasks.track_objects import PairEvidence, judge_objects
+from moseg.tasks.track_objects import PairEvidence, RegroupedTracks, judge_objects
+from moseg.tasks.track_objects.compactness import enclosed_share
 
 PARAMS = TrackObjectParams()
 CAR = ((100, 60), 5, (-3.0, 0.0), 2.0)
@@ -13,12 +14,17 @@ CAR_SCORE = 25 * 6 * 4 * 2 / 8
 """25 tracks with an error of 4 and a test of 2 in each of 6 pairs, over 8 frames."""
 
 
-def _judge(scene, group=None, candidate=None, surface=None, **changes):
-    """Judge the blocks of a scene, each of which is one group, candidate and surface where these are not given."""
+def _judge(scene, group=None, candidate=None, surface=None, static=(), **changes):
+    """Judge the blocks of a scene, each of which is one group, candidate and surface where these are not given.
+
+    `static` are the groups that are said to be background.
+    """
     group = scene.truth - 1 if group is None else group
     candidate = (group + 1).astype(np.uint16) if candidate is None else candidate
     surface = scene.truth.astype(np.uint16) if surface is None else surface
-    return judge_objects(group, candidate, surface, scene.visible, scene.evidence, PARAMS.model_copy(update=changes))
+    groups = RegroupedTracks(group, np.isin(np.arange(group.max(initial=-1) + 1), static))
+    params = PARAMS.model_copy(update=changes)
+    return judge_objects(groups, candidate, surface, scene.points, scene.visible, scene.evidence, params)
 
 
 def test_features_are_those_of_the_tracks_and_pairs(drive):
@@ -139,7 +145,9 @@ def test_without_groups_there_is_no_object(drive, num_tracks):
     evidence = PairEvidence(*(array[:, :num_tracks] for array in scene.evidence))
     group, nothing = np.full(num_tracks, -1), np.zeros(num_tracks, np.uint16)
     for surface in (nothing, nothing + 1):
-        found = judge_objects(group, nothing, surface, scene.visible[:num_tracks], evidence, PARAMS)
+        groups = RegroupedTracks(group, np.zeros(0, bool))
+        tracks = scene.points[:num_tracks], scene.visible[:num_tracks]
+        found = judge_objects(groups, nothing, surface, *tracks, evidence, PARAMS)
         assert found.object.tolist() == [0] * num_tracks
         assert {len(values) for values in found[1:]} == {0}
 
@@ -205,3 +213,46 @@ def test_a_scattered_object_needs_more_evidence(drive, num_on_surface, needs):
 def test_what_a_scattered_object_needs(drive, changes, moves):
     scene = drive(CAR)
     assert _judge(scene, surface=np.zeros(len(scene.truth), np.uint16), **changes).is_moving.tolist() == [moves]
+
+
+@pytest.mark.parametrize(
+    ("kept", "left"),
+    [
+        ({"min_static_test": 2.0}, {"min_static_test": 2.1}),
+        ({"min_score": CAR_SCORE}, {"min_score": CAR_SCORE + 0.1}),
+        ({"min_static_test": 4.0, "sensitivity": 2.0}, {"min_static_test": 4.1, "sensitivity": 2.0}),
+        ({"min_score": 2 * CAR_SCORE, "sensitivity": 2.0}, {"min_score": 2 * CAR_SCORE + 0.1, "sensitivity": 2.0}),
+    ],
+)
+def test_a_static_group_with_too_little_evidence_is_background(drive, kept, left):
+    scene = drive(CAR)
+    kept, left = ({"min_enclosed": 0.0} | changes for changes in (kept, left))
+    found = _judge(scene, static=(0,), **kept)
+    assert found.is_moving.tolist() == [True]
+    assert np.unique(found.object[scene.truth == 1]).tolist() == [1]
+    none = _judge(scene, static=(0,), **left)
+    assert none.is_moving.tolist() == []
+    assert none.object.max() == 0
+
+
+def test_a_static_group_must_fill_its_place(drive):
+    scene = drive(CAR)
+    # Tracks of the background are seen through the block.
+    share = enclosed_share(scene.points, scene.visible, scene.truth == 1)
+    assert 0.3 < share < 0.9
+    for bound, count in ((share - 0.01, 1), (share + 0.01, 0)):
+        assert len(_judge(scene, static=(0,), min_enclosed=bound).is_moving) == count
+    # What is not static may lie anywhere.
+    assert _judge(scene, min_enclosed=1.0).is_moving.tolist() == [True]
+
+
+def test_a_static_group_that_goes_takes_no_surface(drive):
+    scene = drive(CAR, VAN)
+    one = np.ones(len(scene.truth), np.uint16)
+    changes = {"surface": one * (scene.truth > 0), "static": (0,), "min_enclosed": 0.0}
+    found = _judge(scene, **changes, min_static_test=3.0)
+    # The van, which is the smaller part of the surface, has all of it.
+    assert np.unique(found.object[scene.truth > 0]).tolist() == [1]
+    assert found.num_tracks.tolist() == [16]
+    kept = _judge(scene, **changes, min_static_test=2.0)
+    assert sorted(kept.num_tracks.tolist()) == [16, 25]

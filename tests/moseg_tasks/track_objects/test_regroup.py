@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from moseg.schemas.parameters import CandidateParams, RegroupParams
-from moseg.tasks.track_objects import TrackGroups, regroup_candidates
+from moseg.tasks.track_objects import TrackGroups, moving_group, regroup_candidates
 
 JOIN = CandidateParams()
 PARAMS = RegroupParams()
@@ -20,9 +20,14 @@ def _sample(scene, motions, every=3):
     return TrackGroups(tracks.astype(np.int32), truth > 0, np.array(motions, np.uint16)[truth])
 
 
-def _regroup(scene, candidate, groups, **changes):
+def _regroup_all(scene, candidate, groups, **changes):
     params = PARAMS.model_copy(update=changes)
-    return regroup_candidates(scene.points, scene.visible, candidate.astype(np.uint16), groups, JOIN, params)
+    return regroup_candidates(scene.points, scene.visible, candidate.astype(np.uint16), [groups], JOIN, params)
+
+
+def _regroup(scene, candidate, groups, **changes):
+    """Return the group of each track, -1 also where it is static."""
+    return moving_group(_regroup_all(scene, candidate, groups, **changes))
 
 
 def _blocks(scene, found):
@@ -63,6 +68,25 @@ def test_static_tracks_leave_a_candidate(drive):
     scene = drive(CAR, kerb)
     found = _regroup(scene, scene.truth > 0, _sample(scene, (STATIC, FIRST, STATIC)))
     assert _blocks(scene, found) == [-1, 0, -1]
+
+
+def test_static_tracks_form_a_group_of_each_piece(drive):
+    near, far = ((50, 60), 4, (1.0, 0.0), 2.0), ((240, 60), 3, (1.0, 0.0), 2.0)
+    scene = drive(CAR, near, far)
+    groups = _sample(scene, (STATIC, FIRST, STATIC, STATIC), every=1)
+    found = _regroup_all(scene, scene.truth > 0, groups)
+    assert found.group.dtype == np.int64
+    assert found.is_static.tolist() == [False, True, True]
+    assert _blocks(scene, found.group) == [-1, 0, 1, 2]
+    # A piece has as many tracks as another part.
+    few = _regroup_all(scene, scene.truth > 0, groups, min_part=10)
+    assert few.is_static.tolist() == [False, True]
+    assert _blocks(scene, few.group) == [-1, 0, 1, -1]
+    # What stays whole is not static, and without groups nothing is.
+    whole = _regroup_all(scene, scene.truth, _sample(scene, (STATIC, STATIC, FIRST, FIRST)))
+    assert whole.is_static.tolist() == [False, False, False]
+    nothing = TrackGroups(np.zeros(0, np.int32), np.zeros(0, bool), np.zeros(0, np.uint16))
+    assert _regroup_all(scene, scene.truth, nothing).is_static.tolist() == [False, False, False]
 
 
 def test_a_group_with_many_of_the_static_tracks_is_static_too(drive):
@@ -153,6 +177,32 @@ def test_a_part_that_goes_on_where_another_ends_is_joined(drive, first, shift, e
     candidate = np.array([0, 2, 1] if is_swapped else [0, 1, 2])[scene.truth]
     found = _regroup(scene, candidate, _sample(scene, (STATIC, FIRST, FIRST)))
     assert sorted(_blocks(scene, found)) == sorted(expected)
+
+
+def test_the_most_typical_sample_decides(drive):
+    scene = drive(CAR, VAN)
+    candidate = (scene.truth > 0).astype(np.uint16)
+    motions = {"right": (STATIC, FIRST, SECOND), "joined": (STATIC, FIRST, FIRST), "lost": (STATIC, FIRST, STATIC)}
+    expected = {"right": [-1, 0, 1], "joined": [-1, 0, 0], "lost": [-1, 0, -1]}
+    for names, typical in (
+        (("joined", "right", "lost", "right"), "right"),
+        (("joined", "lost", "right", "joined"), "joined"),
+        (("lost", "joined", "lost"), "lost"),
+        (("right", "joined"), "right"),  # the first of two
+    ):
+        samples = [_sample(scene, motions[name], every) for every, name in enumerate(names, start=2)]
+        found = regroup_candidates(scene.points, scene.visible, candidate, samples, JOIN, PARAMS)
+        assert _blocks(scene, moving_group(found)) == expected[typical]
+
+
+def test_static_groups_of_samples_agree_however_many_pieces_they_have(drive):
+    near, far = ((50, 60), 4, (1.0, 0.0), 2.0), ((240, 60), 4, (1.0, 0.0), 2.0)
+    scene = drive(CAR, near, far)
+    samples = [
+        _sample(scene, (STATIC, FIRST, *rest)) for rest in ((SECOND, STATIC), (STATIC, STATIC), (STATIC, STATIC))
+    ]
+    found = regroup_candidates(scene.points, scene.visible, (scene.truth > 0).astype(np.uint16), samples, JOIN, PARAMS)
+    assert found.is_static.tolist() == [False, True, True]
 
 
 def test_without_groups_candidates_stay_as_they_are(drive):
