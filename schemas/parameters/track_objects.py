@@ -209,14 +209,14 @@ class TrackObjectParams(Frozen):
         " its patches than the tracked one",
     )
     min_static_test: Annotated[float, Unit.RATIO] = Field(
-        0.5,
+        0.6,
         ge=-1,
         le=3,
         description="smallest mean strict test of a part that was cut from a candidate because it seems to move as the"
         " background does",
     )
     min_enclosed: Annotated[float, Unit.SHARE] = Field(
-        0.85,
+        0.7,
         ge=0,
         le=1,
         description="smallest share of such a part's own tracks among those inside its convex hull: a body fills its"
