@@ -78,7 +78,7 @@ def test_static_tracks_form_a_group_of_each_piece(drive):
     assert found.group.dtype == np.int64
     assert found.is_static.tolist() == [False, True, True]
     assert _blocks(scene, found.group) == [-1, 0, 1, 2]
-    # A piece has as many tracks as another part.
+    # A piece needs as many tracks as any other part.
     few = _regroup_all(scene, scene.truth > 0, groups, min_part=10)
     assert few.is_static.tolist() == [False, True]
     assert _blocks(scene, few.group) == [-1, 0, 1, -1]
