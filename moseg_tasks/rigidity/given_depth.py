@@ -46,7 +46,9 @@ def bound_inverse_depth(
     measured, reach, tolerance = _measure(parallax, noise, params)
     used = sampled.is_known & np.isfinite(parallax.inverse_depth)
     design = np.column_stack([np.ones(len(sampled.values)), sampled.values])[used]
-    limits = FitLimits(params.depth_samples, params.depth_iterations, params.depth_points, params.depth_share)
+    limits = FitLimits(
+        params.depth_samples, params.depth_refined, params.depth_iterations, params.depth_points, params.depth_share
+    )
     rng = np.random.default_rng(params.seed)
 
     def is_nearer(found):

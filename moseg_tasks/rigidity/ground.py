@@ -61,7 +61,13 @@ def fit_ground(
         return None
     design, values, weights = points[low] - epipole, parallax.inverse_depth[low], parallax.reach[low]
     tolerance = np.hypot(params.ground_tolerance, params.ground_relief * values * weights)
-    limits = FitLimits(params.ground_samples, params.ground_iterations, params.ground_points, params.ground_share)
+    limits = FitLimits(
+        params.ground_samples,
+        params.ground_refined,
+        params.ground_iterations,
+        params.ground_points,
+        params.ground_share,
+    )
     rng = np.random.default_rng(params.seed)
 
     def is_ground(slopes):

@@ -69,8 +69,11 @@ class RigidityParams(Frozen):
         8.0, ge=0, description="minimal distance of that part below the epipole, px"
     )
     ground_samples: Annotated[int, Unit.COUNT] = Field(300, ge=1, description="number of planes drawn")
+    ground_refined: Annotated[int, Unit.COUNT] = Field(
+        10, ge=1, description="number of these planes, those that agree best with the tracks, that are refined"
+    )
     ground_iterations: Annotated[int, Unit.COUNT] = Field(
-        5, ge=0, description="rounds of iteratively reweighted least squares"
+        20, ge=0, description="rounds of iteratively reweighted least squares of each"
     )
     ground_tolerance: Annotated[float, Unit.PIXELS] = Field(
         1.0, gt=0, description="tolerance of the ground's parallax, px"
@@ -182,8 +185,11 @@ class RigidityParams(Frozen):
     depth_samples: Annotated[int, Unit.COUNT] = Field(
         300, ge=1, description="pairs of tracks drawn to fit given depth to the parallax (only with depth)"
     )
+    depth_refined: Annotated[int, Unit.COUNT] = Field(
+        10, ge=1, description="number of these pairs, those that agree best, that are refined (only with depth)"
+    )
     depth_iterations: Annotated[int, Unit.COUNT] = Field(
-        5, ge=0, description="rounds of iteratively reweighted least squares of that fit (only with depth)"
+        20, ge=0, description="rounds of iteratively reweighted least squares of each (only with depth)"
     )
     depth_points: Annotated[int, Unit.COUNT] = Field(
         20, ge=2, description="minimal number of tracks that agree with given depth (only with depth)"
