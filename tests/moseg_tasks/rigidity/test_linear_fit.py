@@ -61,3 +61,8 @@ def test_what_is_allowed_before_it_is_refined_but_not_after_is_not_found(fit):
 def test_too_few_tracks_agree(fit, limits):
     assert fit(limits=limits) is None
     assert fit(limits=LIMITS) is not None
+
+
+def test_what_is_not_allowed_is_not_refined_in_place_of_what_is(fit):
+    found = fit(strays=0.0, steeper=0.7, is_allowed=lambda found: found[..., 1] < 0.6)
+    np.testing.assert_array_less(np.abs(found - TRUE), [1e-3, 1e-2])
