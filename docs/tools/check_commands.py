@@ -48,7 +48,7 @@ NOT_RUN = (
     (r"motion_network\.weights=", "needs a network that a user trained; tests/workflows/training runs it"),
     (
         r"^moseg segment .*--(corrections|drop|merge|split|rename)",
-        "needs objects of an earlier result; tests/workflows/test_corrections.py runs it",
+        "needs objects of an earlier result; tests/workflows/corrections/test_edits.py runs it",
     ),
     (r"^moseg weights (fetch|verify)\b", "downloads, or reads, gigabytes of weights"),
     (r"(^| )(gs|az)://", "no server of Google or Azure to run it against"),
