@@ -19,7 +19,7 @@ def refine_outlines(
     labels: np.ndarray,
     foreground: np.ndarray,
     params: RefinementParams,
-    colours: LocalColourParams,
+    colours: LocalColourParams | None = None,
 ) -> np.ndarray:
     """Return the objects of a frame at its full size.
 
@@ -32,7 +32,8 @@ def refine_outlines(
     foreground : float32 (h, w)
         Probability to move, 0..1.
     params : RefinementParams
-    colours : LocalColourParams
+    colours : LocalColourParams, optional
+        Without them the foreground alone is aligned.
 
     Returns
     -------
@@ -56,7 +57,7 @@ def refine_outlines(
     # Foreground of no object, such as a dropped component, must not leak into an object.
     kept = np.where((near > 0) | (moves <= FOREGROUND), moves, np.float32(0))
     image = resample(part, near.shape)
-    if colours.share:
+    if colours is not None and colours.share:
         origin = (rows.start, columns.start)
         ratio = local_colour_ratio(image, moves, near > 0, colours, origin)
         kept = probability(logit(kept) + np.float32(colours.share) * ratio)

@@ -1,12 +1,14 @@
-"""Masks of objects of tracks: every pixel takes the object for which its nearest tracks vote."""
+"""Masks of objects of tracks: every pixel takes the object for which its nearest tracks vote; edges draw outlines."""
 
 from collections.abc import Iterable
 
 import cv2
 import numpy as np
 from scipy.spatial import cKDTree
+from scipy.special import expit
 
-from moseg.schemas.parameters import TrackMaskParams
+from moseg.schemas.parameters import RefinementParams, TrackMaskParams
+from moseg.tasks.proposals.refinement import refine_outlines
 
 STEP = 2
 """Spacing of the grid on which pixels are labelled, px."""
@@ -24,6 +26,7 @@ def track_masks(
     objects: np.ndarray,
     start: int,
     params: TrackMaskParams,
+    refinement: RefinementParams,
 ) -> np.ndarray:
     """Return the object of every pixel.
 
@@ -40,6 +43,8 @@ def track_masks(
         0 = background.
     start : int
     params : TrackMaskParams
+    refinement : RefinementParams
+        Of the outlines, along the edges of the frame.
 
     Returns
     -------
@@ -48,7 +53,12 @@ def track_masks(
     """
     return np.stack(
         [
-            _label_frame(image, flow, *_seen_tracks(points, visible, objects, frame), params)
+            _draw(
+                image,
+                _label_grid(image, flow, *_seen_tracks(points, visible, objects, frame), params),
+                params,
+                refinement,
+            )
             for frame, (image, flow) in enumerate(zip(frames, flows, strict=True), start)
         ]
     )
@@ -86,7 +96,22 @@ def _seen_tracks(points: np.ndarray, visible: np.ndarray, objects: np.ndarray, f
     return place, -motion if is_last else motion, objects[seen]
 
 
-def _label_frame(
+def _draw(image: np.ndarray, grid: np.ndarray, params: TrackMaskParams, refinement: RefinementParams) -> np.ndarray:
+    """Return the labels of a grid at the size of its frame, uint16 (y, x)."""
+    if not params.softness or not grid.any():
+        return cv2.resize(grid, image.shape[1::-1], interpolation=cv2.INTER_NEAREST)
+    return refine_outlines(image, grid, _soften(grid > 0, params.softness / STEP), refinement)
+
+
+def _soften(mask: np.ndarray, softness: float) -> np.ndarray:
+    """Return how sure it is that pixels of the grid belong to a mask, float32 (y, x): a half at its outline."""
+    inside, outside = (
+        cv2.distanceTransform(side.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) for side in (mask, ~mask)
+    )
+    return expit((np.where(mask, inside - 0.5, 0.5 - outside) / softness).astype(np.float32))
+
+
+def _label_grid(
     image: np.ndarray,
     flow: np.ndarray,
     place: np.ndarray,
@@ -94,11 +119,10 @@ def _label_frame(
     objects: np.ndarray,
     params: TrackMaskParams,
 ) -> np.ndarray:
-    """Return the object of every pixel of a frame, uint16 (y, x)."""
-    height, width = image.shape[:2]
-    shape = -(-height // STEP), -(-width // STEP)
+    """Return the object of every pixel of the grid, uint16 (y, x)."""
+    shape = tuple(-(-side // STEP) for side in image.shape[:2])
     if not objects.any():
-        return np.zeros((height, width), np.uint16)
+        return np.zeros(shape, np.uint16)
     tree = cKDTree(place)
     num_neighbours = min(params.num_neighbours, len(place))
     candidates = _near_objects(place[objects > 0], shape, params.radius)
@@ -109,9 +133,7 @@ def _label_frame(
     grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), params.grey_blur)
     weights = _weigh(grey, flow, rows * STEP, columns * STEP, distance, near, place, motion, params)
     grid[rows, columns] = _elect(objects[near], weights)
-    if params.smoothing:
-        grid = cv2.medianBlur(grid, 2 * params.smoothing + 1)
-    return cv2.resize(grid, (width, height), interpolation=cv2.INTER_NEAREST)
+    return cv2.medianBlur(grid, 2 * params.smoothing + 1) if params.smoothing else grid
 
 
 def _near_objects(place: np.ndarray, shape: tuple[int, int], radius: float) -> np.ndarray:

@@ -9,7 +9,7 @@ from moseg.schemas.units import Unit
 
 
 class TrackMaskParams(Frozen):
-    """Votes of the nearest tracks for the object of a pixel, on a grid of every second pixel."""
+    """Votes of the nearest tracks for the object of a pixel, on a grid of every second pixel, and its outline."""
 
     radius: Annotated[float, Unit.PIXELS] = Field(
         30.0, gt=0, description="largest distance of an object's pixel from the object's nearest track, px"
@@ -32,4 +32,10 @@ class TrackMaskParams(Frozen):
     )
     smoothing: Annotated[int, Unit.PIXELS] = Field(
         2, ge=0, le=2, description="radius of the median filter of the labels, px of the grid; 0 is no filter"
+    )
+    softness: Annotated[float, Unit.PIXELS] = Field(
+        8.0,
+        ge=0,
+        description="distance from an outline at which a pixel's object is 73 % sure, before edges of the frame draw"
+        " the outline (refinement), px; 0: outlines of the grid",
     )

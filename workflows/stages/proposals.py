@@ -68,6 +68,7 @@ def _run_tracks(params, inputs, rng):
         np.where(moves[objects], objects, 0).astype(np.uint16),
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
+        RefinementParams.of_recipe(params["refinement"]),
     )
     surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
     surface = inputs["track_surfaces"].array("surface")
@@ -183,6 +184,7 @@ def _track_params(config: PipelineConfig, start: int, section: int) -> dict:
         "start": start,
         "max_static": surfaces.max_candidates >> section // surfaces.halved_after,
         "track_masks": config.track_masks.model_dump(mode="json"),
+        "refinement": config.refinement.model_dump(mode="json"),
         "track_surfaces": surfaces.model_dump(mode="json", include=MASK_PARAMS),
     }
 
@@ -223,7 +225,7 @@ def _method(config: PipelineConfig) -> str:
 
 
 SALIENCY = Task("proposals", "saliency", version=4, run=_run_saliency, params=_saliency_params)
-DENSE_TRACKS = Task("proposals", "tracks", version=2, run=_run_tracks, params=_track_params)
+DENSE_TRACKS = Task("proposals", "tracks", version=3, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)
 DEAOT = Task(

@@ -1,13 +1,14 @@
 """Masks of objects of tracks: votes of the nearest tracks by distance, brightness and motion."""
 
+import cv2
 import numpy as np
 import pytest
 
-from moseg.schemas.parameters import TrackMaskParams
+from moseg.schemas.parameters import RefinementParams, TrackMaskParams
 from moseg.tasks.proposals import track_masks as kernel
 from moseg.tasks.proposals.track_masks import number_seen, track_masks
 
-PARAMS = TrackMaskParams()
+PARAMS, VOTES, OUTLINES = TrackMaskParams(), TrackMaskParams(softness=0.0), RefinementParams()
 SHAPE = (101, 151)
 NUM_FRAMES = 3
 BOX = (slice(30, 70), slice(40, 100))
@@ -36,7 +37,7 @@ def _iou(found, truth):
 
 def test_an_object_is_cut_out_along_its_outline():
     *scene, truth = _scene()
-    masks = track_masks(*scene, 0, PARAMS)
+    masks = track_masks(*scene, 0, PARAMS, OUTLINES)
     assert masks.dtype == np.uint16
     assert all(_iou(mask > 0, true) > 0.95 for mask, true in zip(masks, truth, strict=True))
 
@@ -51,10 +52,32 @@ def test_either_cue_alone_finds_the_outline_better_than_distance(cue):
     else:
         frames = np.full_like(frames, 60)
     blind = track_masks(
-        frames[:1] * 0, np.zeros_like(flows[:1]), points, visible & [True, False, False], objects, 0, PARAMS
+        frames[:1] * 0, np.zeros_like(flows[:1]), points, visible & [True, False, False], objects, 0, VOTES, OUTLINES
     )
-    found = track_masks(frames[:1], flows[:1], points, visible, objects, 0, PARAMS)
+    found = track_masks(frames[:1], flows[:1], points, visible, objects, 0, VOTES, OUTLINES)
     assert _iou(found[0] > 0, truth[0]) > max(0.93, _iou(blind[0] > 0, truth[0]))
+
+
+def test_edges_of_the_frame_draw_the_outline():
+    frames, *scene, truth = _scene(spacing=12)
+    # Flow that is smeared over the outline, and contrast that tells votes little.
+    frames = np.where(frames > 100, 80, frames).astype(np.uint8)
+    scene[0] = np.stack([cv2.GaussianBlur(flow, (0, 0), 8) for flow in scene[0]])
+    coarse, found = (track_masks(frames, *scene, 0, params, OUTLINES) for params in (VOTES, PARAMS))
+    assert _iou(found > 0, truth) > 0.98 and _iou(coarse > 0, truth) < 0.92
+    rows, columns = (range(0, side - 1, kernel.STEP) for side in SHAPE)
+    for shift in (0, 1):
+        np.testing.assert_array_equal(coarse[:, rows][..., columns], coarse[:, rows][..., shift + np.array(columns)])
+
+
+def test_outlines_of_neighbours_stay_theirs():
+    frames, flows, points, visible, objects, truth = _scene()
+    is_right = points[:, 0, 0] > BOX[1].stop
+    objects[is_right] = 2
+    frames[:, :, BOX[1].stop + 8 :] = 120
+    masks = track_masks(frames, flows, points, visible, objects, 0, PARAMS, OUTLINES)
+    assert _iou(masks == 1, truth) > 0.95
+    assert (masks[0, 20:80, BOX[1].stop + 12 : 140] == 2).all()
 
 
 def test_no_pixel_is_farther_from_its_object_than_the_radius():
@@ -64,7 +87,7 @@ def test_no_pixel_is_farther_from_its_object_than_the_radius():
     # The only other tracks are far away.
     kept = [only, 0]
     mask = track_masks(
-        frames[:1], flows[:1], points[kept], visible[kept], objects[kept], 0, TrackMaskParams(radius=10.0)
+        frames[:1], flows[:1], points[kept], visible[kept], objects[kept], 0, TrackMaskParams(radius=10.0), OUTLINES
     )[0]
     y, x = np.nonzero(mask)
     assert len(x)
@@ -73,38 +96,38 @@ def test_no_pixel_is_farther_from_its_object_than_the_radius():
 
 def test_without_moving_tracks_there_is_no_mask():
     frames, flows, points, visible, objects, _ = _scene()
-    assert not track_masks(frames, flows, points, visible, objects * 0, 0, PARAMS).any()
-    assert not track_masks(frames, flows, points, visible & False, objects, 0, PARAMS).any()
-    assert not track_masks(frames, flows, points[:0], visible[:0], objects[:0], 0, PARAMS).any()
+    assert not track_masks(frames, flows, points, visible, objects * 0, 0, PARAMS, OUTLINES).any()
+    assert not track_masks(frames, flows, points, visible & False, objects, 0, PARAMS, OUTLINES).any()
+    assert not track_masks(frames, flows, points[:0], visible[:0], objects[:0], 0, PARAMS, OUTLINES).any()
 
 
 def test_frames_are_counted_from_the_first_one_of_the_masks():
     frames, flows, *tracks, _ = _scene()
-    whole = track_masks(frames, flows, *tracks, 0, PARAMS)
-    np.testing.assert_array_equal(track_masks(frames[1:], flows[1:], *tracks, 1, PARAMS), whole[1:])
+    whole = track_masks(frames, flows, *tracks, 0, PARAMS, OUTLINES)
+    np.testing.assert_array_equal(track_masks(frames[1:], flows[1:], *tracks, 1, PARAMS, OUTLINES), whole[1:])
 
 
 def test_blocks_that_are_labelled_at_once_have_the_labels_of_their_pixels(monkeypatch):
     frames, flows, points, visible, objects, _ = _scene()
     objects[points[:, 0, 0] > 120] = 2
-    expected = track_masks(frames, flows, points, visible, objects, 0, PARAMS)
+    expected = track_masks(frames, flows, points, visible, objects, 0, PARAMS, OUTLINES)
 
     def decide_nothing(candidates, *more):
         return np.zeros(candidates.shape, np.uint16), np.zeros_like(candidates)
 
     label_blocks, decided = kernel._label_blocks, []
     monkeypatch.setattr(kernel, "_label_blocks", lambda *more: decided.append(label_blocks(*more)) or decided[-1])
-    track_masks(frames[:1], flows[:1], points, visible, objects, 0, PARAMS)
+    track_masks(frames[:1], flows[:1], points, visible, objects, 0, PARAMS, OUTLINES)
     assert decided[0][1].mean() > 0.1
     monkeypatch.setattr(kernel, "_label_blocks", decide_nothing)
-    np.testing.assert_array_equal(track_masks(frames, flows, points, visible, objects, 0, PARAMS), expected)
+    np.testing.assert_array_equal(track_masks(frames, flows, points, visible, objects, 0, PARAMS, OUTLINES), expected)
 
 
 def test_fewer_tracks_than_votes_are_enough():
     frames, flows, points, visible, objects, _ = _scene(spacing=40)
     few = slice(0, 6)
     objects[few] = 3
-    masks = track_masks(frames, flows, points[few], visible[few], objects[few], 0, PARAMS)
+    masks = track_masks(frames, flows, points[few], visible[few], objects[few], 0, PARAMS, OUTLINES)
     assert set(np.unique(masks)) == {0, 3}
 
 
