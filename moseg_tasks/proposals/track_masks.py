@@ -100,15 +100,15 @@ def _draw(image: np.ndarray, grid: np.ndarray, params: TrackMaskParams, refineme
     """Return the labels of a grid at the size of its frame, uint16 (y, x)."""
     if not params.softness or not grid.any():
         return cv2.resize(grid, image.shape[1::-1], interpolation=cv2.INTER_NEAREST)
-    return refine_outlines(image, grid, _soften(grid > 0, params.softness / STEP), refinement)
+    return refine_outlines(image, grid, _soften(grid > 0, params.softness), refinement)
 
 
 def _soften(mask: np.ndarray, softness: float) -> np.ndarray:
-    """Return how sure it is that pixels of the grid belong to a mask, float32 (y, x): a half at its outline."""
+    """Return how sure it is that cells of the grid belong to a mask, float32 (y, x): a half at its outline."""
     inside, outside = (
         cv2.distanceTransform(side.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) for side in (mask, ~mask)
     )
-    return expit((np.where(mask, inside - 0.5, 0.5 - outside) / softness).astype(np.float32))
+    return expit((np.where(mask, inside - 0.5, 0.5 - outside) * (STEP / softness)).astype(np.float32))
 
 
 def _label_grid(

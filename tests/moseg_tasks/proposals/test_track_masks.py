@@ -70,6 +70,26 @@ def test_edges_of_the_frame_draw_the_outline():
         np.testing.assert_array_equal(coarse[:, rows][..., columns], coarse[:, rows][..., shift + np.array(columns)])
 
 
+def test_an_outline_is_as_soft_as_asked():
+    mask = np.arange(40)[None].repeat(30, axis=0) < 20
+    # The centres of the cells are 1, 3, 5, ... px from the outline.
+    distance = kernel.STEP * (19.5 - np.arange(40))
+    expected = np.broadcast_to(1 / (1 + np.exp(-distance / 8)), mask.shape)
+    np.testing.assert_allclose(kernel._soften(mask, 8.0), expected, rtol=1e-5)
+    assert (kernel._soften(mask | True, 8.0) > 0.99).all() and (kernel._soften(mask & False, 8.0) < 0.01).all()
+
+
+def test_smoothing_removes_specks():
+    frames, *scene, _ = _scene()
+    noisy = np.where(np.random.default_rng(0).random((NUM_FRAMES, *SHAPE, 1)) < 0.1, 255 - frames, frames)
+    rough, smooth = (
+        track_masks(noisy, *scene, 0, TrackMaskParams(softness=0.0, grey_blur=0.3, smoothing=radius), OUTLINES)
+        for radius in (0, 2)
+    )
+    num_changes = [np.count_nonzero(np.diff(masks, axis=2)) for masks in (rough, smooth)]
+    assert num_changes[1] < 0.8 * num_changes[0]
+
+
 def test_outlines_of_neighbours_stay_theirs():
     frames, flows, points, visible, objects, truth = _scene()
     is_right = points[:, 0, 0] > BOX[1].stop
