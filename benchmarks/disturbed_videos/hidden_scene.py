@@ -13,10 +13,11 @@ import tempfile
 from pathlib import Path
 
 from disturbances import DISTURBANCES
-from measure import FRAMES, TRUTHS, read_video, write_video
+from layouts import Davis
 
 import moseg
 
+DAVIS = Davis()
 HIDING = "none", "pillars", "letterbox", "graphics"
 
 
@@ -24,9 +25,11 @@ def measure(root: Path, sequence: str, hiding: str, fills: bool) -> dict[str, fl
     """Return J and Fu of a sequence, in percent."""
     with tempfile.TemporaryDirectory() as folder:
         davis, masks = Path(folder, "davis"), Path(folder, "masks", sequence)
-        write_video(davis, sequence, DISTURBANCES[hiding][1](read_video(root, sequence), None))
+        DAVIS.write(davis, sequence, DISTURBANCES[hiding][1](DAVIS.read(root, sequence), None))
         settings = {"black_bars.fill": fills, "screen_graphics.fill": fills}
-        result = moseg.segment_video(davis / FRAMES / sequence, settings, store=Path(folder, "store"), progress=False)
+        result = moseg.segment_video(
+            davis / DAVIS.frames / sequence, settings, store=Path(folder, "store"), progress=False
+        )
         result.save(Path(folder, "out"))
         masks.parent.mkdir()
         Path(folder, "out", "masks").rename(masks)
@@ -43,7 +46,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=HIDING, default=HIDING, help="what hides the scene")
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
-    sequences = asked.sequences or sorted(path.name for path in (asked.root / TRUTHS).iterdir())
+    sequences = asked.sequences or DAVIS.sequences(asked.root)
     found = {}
     for hiding in asked.only:
         for fills in (True, False) if hiding != "none" else (True,):

@@ -1,7 +1,7 @@
-"""Scores on disturbed videos: ``python benchmarks/disturbed_videos/measure.py DAVIS [--sequences A,B] [--workers N]
-[--disturbances NAME ...] [--config FILE] [--json FILE]``.
+"""Scores on disturbed videos: ``python benchmarks/disturbed_videos/measure.py ROOT [--dataset davis16|kt3dinsmoseg]
+[--sequences A,B] [--workers N] [--disturbances NAME ...] [--config FILE] [--json FILE]``.
 
-Each sequence of DAVIS-2016 is changed in several ways, with its ground truth, and segmented.
+Each sequence is changed in several ways, with its ground truth, and segmented.
 What differs between a sequence and its mirror image is chance; what is lost beyond that tells what the method relies
 on.
 """
@@ -12,47 +12,25 @@ import tempfile
 import zlib
 from pathlib import Path
 
-import cv2
 import numpy as np
-from disturbances import DISTURBANCES, Video
+from disturbances import DISTURBANCES
+from layouts import LAYOUTS, Layout
 
 import moseg
 
-FRAMES, TRUTHS = Path("JPEGImages", "480p"), Path("Annotations", "480p")
-
-
-def read_video(root: Path, sequence: str) -> Video:
-    """Return a sequence of DAVIS; raises FileNotFoundError if it is not there."""
-    frames = sorted((root / FRAMES / sequence).glob("*.jpg"))
-    if not frames:
-        raise FileNotFoundError(f"no frames in {root / FRAMES / sequence}")
-    truths = [root / TRUTHS / sequence / f"{path.stem}.png" for path in frames]
-    return Video(
-        [cv2.imread(str(path)) for path in frames], [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in truths]
-    )
-
-
-def write_video(root: Path, sequence: str, video: Video) -> None:
-    """Write a sequence in the layout of DAVIS."""
-    quality = [cv2.IMWRITE_JPEG_QUALITY, 95]
-    for folder, images, suffix, options in ((FRAMES, video.frames, "jpg", quality), (TRUTHS, video.truths, "png", [])):
-        (root / folder / sequence).mkdir(parents=True)
-        for number, image in enumerate(images):
-            cv2.imwrite(str(root / folder / sequence / f"{number:05}.{suffix}"), image, options)
-
 
 def measure(
-    root: Path, sequences: list[str], name: str, workers: int, config: Path | None
+    layout: Layout, root: Path, sequences: list[str], name: str, workers: int, config: Path | None
 ) -> dict[str, dict[str, float]]:
     """Return J and Fu of each disturbed sequence, and their means, in percent."""
     with tempfile.TemporaryDirectory() as folder:
-        disturbed = Path(folder, "davis")
+        disturbed = Path(folder, layout.name)
         for sequence in sequences:
             rng = np.random.default_rng(zlib.crc32(sequence.encode()))
-            write_video(disturbed, sequence, DISTURBANCES[name][1](read_video(root, sequence), rng))
+            layout.write(disturbed, sequence, DISTURBANCES[name][1](layout.read(root, sequence), rng))
         store = Path(folder, "store")
         report = moseg.evaluate(
-            "davis16",
+            layout.name,
             root=disturbed,
             sequences=sequences,
             config=config,
@@ -68,17 +46,19 @@ def measure(
 def main() -> None:
     """Measure and print all that is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("root", type=Path, metavar="DAVIS", help="folder of DAVIS-2016")
+    parser.add_argument("root", type=Path, metavar="ROOT", help="folder of the data set")
+    parser.add_argument("--dataset", choices=LAYOUTS, default="davis16")
     parser.add_argument("--sequences", type=lambda names: names.split(","), help="names, separated by commas")
-    parser.add_argument("--disturbances", nargs="+", choices=DISTURBANCES, default=list(DISTURBANCES))
+    parser.add_argument("--disturbances", nargs="+", choices=DISTURBANCES, help="default: all that suit the data set")
     parser.add_argument("--workers", type=int, default=0)
     parser.add_argument("--config", type=Path, help="parameters, as of moseg eval")
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
-    sequences = asked.sequences or sorted(path.name for path in (asked.root / FRAMES).iterdir())
+    layout = LAYOUTS[asked.dataset]
+    sequences = asked.sequences or layout.sequences(asked.root)
     found = {}
-    for name in asked.disturbances:
-        found[name] = measure(asked.root, sequences, name, asked.workers, asked.config)
+    for name in asked.disturbances or layout.disturbances or DISTURBANCES:
+        found[name] = measure(layout, asked.root, sequences, name, asked.workers, asked.config)
         figures = "  ".join(f"{sequence} {each['J']:.1f}" for sequence, each in found[name].items())
         print(f"{DISTURBANCES[name][0]}: J {figures}; Fu {found[name]['mean']['F']:.1f}", flush=True)
         if asked.json:
