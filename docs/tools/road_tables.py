@@ -36,6 +36,32 @@ def _road_seeds() -> Rows:
     ]
 
 
+def _disturbed_roads() -> Rows:
+    texts = {
+        "mirrored": "mirrored",
+        "reversed": "reversed in time",
+        "every_second": "every second frame",
+        "noisy": "noise of ten grey levels",
+        "compressed": "JPEG of quality 12",
+        "dark": "12 % of the light",
+    }
+    clips = ("Seq009_Clip01", "Seq028_clip03", "Seq009_Clip03", "Seq071_Clip01")
+    undisturbed = (
+        "as they are",
+        *scores_of("roads-auto")[2:],
+        *(f"{{roads-auto/fused/F@{clip}}}" for clip in clips),
+    )
+    rows = (
+        (
+            text,
+            *(f"{{disturbed-roads/{name}/mean/{score}}}" for score in ("F", "J")),
+            *(f"{{disturbed-roads/{name}/{clip}/F}}" for clip in clips),
+        )
+        for name, text in texts.items()
+    )
+    return [("clips", "Fu", "J", *(f"Fu of {clip}" for clip in clips)), undisturbed, *rows]
+
+
 def _still(name: str, sequence: str = "") -> str:
     at = f"@{sequence}" if sequence else ""
     return f"{{{name}/fused/false_pixels{at}:.2f}} / {{{name}/fused/false_frames{at}:.0f}}"
@@ -126,6 +152,7 @@ TABLES = {
     "roads": _roads(),
     "road-clips": _road_clips(),
     "road-seeds": _road_seeds(),
+    "disturbed-roads": _disturbed_roads(),
     "road-parts": _road_parts(),
     "road-curve": _road_curve(),
     "still": _still_sequences(),
