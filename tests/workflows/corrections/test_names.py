@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pytest
 
 from moseg.store import open_store
 from moseg.workflows.api import segment_video
@@ -30,31 +31,26 @@ def test_an_overlay_has_the_users_names(correct):
     np.testing.assert_array_equal(plain.overlay(0), named.overlay(0))
 
 
-def test_the_report_of_a_run_from_its_log_has_the_corrected_objects(frames, tmp_path, config, several_edits):
-    segment_video(
-        frames,
-        config,
-        store=tmp_path / "store",
-        progress=False,
-        keep_cues=True,
-        corrections=several_edits,
-        name="corrected",
-    )
-    page = report_run(open_store(str(tmp_path / "store"), create=False), "latest")
-    (panel,) = page.sequences
+@pytest.fixture
+def report_panel(frames, tmp_path, config):
+    """Function that corrects the squares in a new store, and returns their part of the report of the run's log."""
+
+    def report(corrections):
+        folder = tmp_path / "store"
+        options = {"store": folder, "progress": False, "keep_cues": True, "name": "corrected"}
+        segment_video(frames, config, corrections=corrections, **options)
+        (panel,) = report_run(open_store(str(folder), create=False), "latest").sequences
+        return panel
+
+    return report
+
+
+def test_the_report_of_a_run_from_its_log_has_the_corrected_objects(report_panel, several_edits):
+    panel = report_panel(several_edits)
     assert [(row.identity, row.tag) for row in panel.objects] == [(2, None), (4, "late")]
 
 
-def test_a_report_compares_objects_by_the_users_names(frames, tmp_path, config):
-    segment_video(
-        frames,
-        config,
-        store=tmp_path / "store",
-        progress=False,
-        keep_cues=True,
-        corrections=[{"rename": {"object": 1, "name": "kite"}}],
-    )
-    page = report_run(open_store(str(tmp_path / "store"), create=False), "latest")
-    (panel,) = page.sequences
+def test_a_report_compares_objects_by_the_users_names(report_panel):
+    panel = report_panel([{"rename": {"object": 1, "name": "kite"}}])
     labels = {label for variant in panel.variants for matrix in variant.matrices for label in matrix.labels}
     assert labels == {"background", "1 kite", "2"}
