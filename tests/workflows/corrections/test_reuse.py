@@ -1,4 +1,4 @@
-"""What corrections compute anew, and what a store has of them."""
+"""Reuse of artifacts by corrections: what they compute anew, and what the store has of them."""
 
 from moseg.workflows.api import segment_video
 
