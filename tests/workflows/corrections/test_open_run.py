@@ -111,13 +111,7 @@ def test_an_open_run_reads_frames_again_that_were_lost(store, tmp_path, correct,
 
 
 def test_an_open_run_saves_what_the_command_line_writes(segment, tmp_path, several_edits, several_options, opened):
-    assert (
-        segment(
-            *several_options,
-            out=tmp_path / "command",
-        ).code
-        == 0
-    )
+    assert segment(*several_options, out=tmp_path / "command").code == 0
     with opened() as video:
         video.apply(several_edits)
         summary, paths = video.save(tmp_path / "open")
