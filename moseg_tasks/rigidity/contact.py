@@ -74,9 +74,10 @@ def contact_excess(
     upright, half, bottom, lifted = upright[hangs], half[hangs], bottom[hangs], lifted[hangs]
     ground_noise = _GROUND_NOISE * noise + _GROUND_SLACK * ground_parallax
     is_ground = (np.abs(ground_parallax - along) < ground_noise) & (below > 0)
+    is_raised = ~is_ground & (inverse_depth > below)
     size = camera_height[upright]
     rows = bottom + 1, bottom + (lifted - _SHADOW) * size + 1
-    is_seen = _ground_is_seen(points, inverse_depth, is_ground, upright, half + _MARGIN * size, rows)
+    is_seen = _ground_is_seen(points, inverse_depth, is_ground, is_raised, upright, half + _MARGIN * size, rows)
     upright, lifted, size = upright[is_seen], lifted[is_seen], size[is_seen]
     relative = depth_noise[upright] / inverse_depth[upright]
     spread = np.sqrt(params.contact_noise**2 + (params.contact_noise_pixels / size) ** 2 + relative**2)
@@ -117,8 +118,12 @@ def _bottom_rows(points, inverse_depth, surface, half) -> np.ndarray:
     return bottom
 
 
-def _ground_is_seen(points, inverse_depth, is_ground, tracks, half, rows) -> np.ndarray:
-    """Return whether the ground shows between two rows below each of the tracks (M,), not hidden by other things."""
+def _ground_is_seen(points, inverse_depth, is_ground, is_raised, tracks, half, rows) -> np.ndarray:
+    """Return whether the ground shows between two rows below each of the tracks (M,).
+
+    It does not where other things hide it, nor where terrain rises from it: what stands on a bank hangs above the plane
+    of the road.
+    """
     order = np.argsort(points[:, 0])
     x, y = points[order].T
     start, stop = (np.searchsorted(x, points[tracks, 0] + sign * half) for sign in (-1, 1))
@@ -127,5 +132,5 @@ def _ground_is_seen(points, inverse_depth, is_ground, tracks, half, rows) -> np.
     between = (y[inside] > rows[0][row]) & (y[inside] < rows[1][row])
     hides = ~is_ground[other] & (inverse_depth[other] > _NEARER * inverse_depth[tracks][row])
     num_ground = np.bincount(row[between & is_ground[other]], minlength=len(tracks))
-    num_hiding = np.bincount(row[between & hides], minlength=len(tracks))
-    return (num_ground >= 1) & (num_ground > 2 * num_hiding)
+    num_other = np.bincount(row[between & (hides | is_raised[other])], minlength=len(tracks))
+    return (num_ground >= 1) & (num_ground > 2 * num_other)

@@ -193,7 +193,7 @@ class TrackObjectParams(Frozen):
         12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
-        5.0,
+        4.0,
         ge=0,
         description="smallest score of a moving object: its summed errors times its mean strict test, per frame of"
         " the window; lower finds more, and more that does not move",

@@ -34,6 +34,29 @@ def measure(see, road, front):
     return call
 
 
+def trunk() -> np.ndarray:
+    """Return points (N, 3) of a trunk beside the road, 14 ahead, whose foot is not seen."""
+    rng = np.random.default_rng(3)
+    return np.column_stack([rng.uniform(2.9, 3.2, 80), rng.uniform(-1, 0.75, 80), np.full(80, 14.0)])
+
+
+def bank(num_points: int, height: float) -> np.ndarray:
+    """Return points (N, 3) of a terrace behind it, a height above the road."""
+    rng = np.random.default_rng(4)
+    x, z = rng.uniform(3, 4.5, num_points), rng.uniform(17.5, 21, num_points)
+    return np.column_stack([x, np.full(num_points, CAMERA_HEIGHT - height), z])
+
+
+@pytest.mark.parametrize(
+    ("num_points", "height", "hangs"), [(0, 0.35, True), (5, 0.35, True), (150, 0.35, False), (150, 0.05, True)]
+)
+def test_a_trunk_on_ground_that_rises_does_not_hang(see, road, num_points, height, hangs):
+    scene = see(np.concatenate([trunk(), bank(num_points, height), road]), yaw=0)
+    parallax = split_displacements(scene.points0, scene.points1, AHEAD, SHAPE)
+    excess, _ = contact_excess(scene.points0, parallax, GROUND, np.full(len(scene.points0), 0.2), PARAMS)
+    assert excess[scene.depth == 14.0].any() == hangs
+
+
 @pytest.mark.parametrize("noise", [0.1, 0.5, 1.0, 1.5])
 def test_a_parked_car_does_not_hang_however_much_of_its_foot_the_noise_hides(measure, noise):
     assert not measure(PARKED, noise)[0].any()
