@@ -48,7 +48,8 @@ def bank(num_points: int, height: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("num_points", "height", "hangs"), [(0, 0.35, True), (5, 0.35, True), (150, 0.35, False), (150, 0.05, True)]
+    ("num_points", "height", "hangs"),
+    [(0, 0.35, True), (5, 0.35, True), (22, 0.35, False), (150, 0.35, False), (150, 0.05, True)],
 )
 def test_a_trunk_on_ground_that_rises_does_not_hang(see, road, num_points, height, hangs):
     scene = see(np.concatenate([trunk(), bank(num_points, height), road]), yaw=0)
