@@ -100,6 +100,7 @@ def _catalogue() -> list[Measurement]:
         "rigid-flow": "python benchmarks/rigid_flow.py",
         "flow-residuals": "python benchmarks/flow_residuals.py",
         "given-cameras": "python benchmarks/given_cameras.py",
+        "frame-rates": "python benchmarks/frame_rates.py",
         **_of_setting("synthetic"),
         **_static("synthetic"),
         "synthetic-no-network": f"moseg eval {SYNTHETIC} --set motion_network.use=never",

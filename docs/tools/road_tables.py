@@ -128,6 +128,19 @@ def _drives() -> Rows:
     return [("scene", *SCORES), *rows]
 
 
+def _frame_rates() -> Rows:
+    names = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
+    cases = {
+        "10": "frames/rate-10",
+        "20": "frames/rate-20",
+        "20, pairs 4 and 8 apart": "seconds/rate-20",
+        "30": "frames/rate-30",
+        "30, pairs 6 and 12 apart": "seconds/rate-30",
+    }
+    rows = ((text, *(f"{{frame-rates/{case}/{name}/J}}" for name in names)) for text, case in cases.items())
+    return [("J of drives, by frames per second", *(name.removeprefix("drive-") for name in names)), *rows]
+
+
 def _given_cameras() -> Rows:
     texts = {
         "tracks": "fitted to tracks; the ground in place of depth (default)",
@@ -157,4 +170,5 @@ TABLES = {
     "road-curve": _road_curve(),
     "still": _still_sequences(),
     "drives": _drives(),
+    "frame-rates": _frame_rates(),
 }
