@@ -15,13 +15,14 @@ import numpy as np
 from pydantic import BaseModel
 
 import moseg
+from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.synthetic import SCENES, Scene, render_scene
 from moseg.tasks.synthetic.paths import Path as MotionPath
 
 DRIVES = tuple(name for name in SCENES if name.startswith("drive-"))
 RATES = (10, 20, 30)
 """Frames per second."""
-GAPS = (2, 4)
+GAPS = RigidityParams().gaps
 """Default distances of the frames of a pair."""
 FULL_SIZE = {"height": 376, "width": 1244}
 

@@ -4,6 +4,8 @@ from measured_data import DATA
 from measurements import ROAD_SEEDS, SENSITIVITIES
 from table_cells import SCORES, VIEWS, Rows, scores_of
 
+_DRIVES = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
+
 
 def _roads() -> Rows:
     rows = [
@@ -121,15 +123,13 @@ def _still_sequences() -> Rows:
 
 
 def _drives() -> Rows:
-    names = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
     rows = (
-        (name, *(f"{{synthetic-residual-auto/fused/{score}@{name}}}" for score in SCORES.values())) for name in names
+        (name, *(f"{{synthetic-residual-auto/fused/{score}@{name}}}" for score in SCORES.values())) for name in _DRIVES
     )
     return [("scene", *SCORES), *rows]
 
 
 def _frame_rates() -> Rows:
-    names = ("drive-crossing-cyclist", "drive-oncoming-car", "drive-overtaking-car", "drive-parked-row")
     cases = {
         "10": "frames/rate-10",
         "20": "frames/rate-20",
@@ -137,8 +137,8 @@ def _frame_rates() -> Rows:
         "30": "frames/rate-30",
         "30, pairs 6 and 12 apart": "seconds/rate-30",
     }
-    rows = ((text, *(f"{{frame-rates/{case}/{name}/J}}" for name in names)) for text, case in cases.items())
-    return [("J of drives, by frames per second", *(name.removeprefix("drive-") for name in names)), *rows]
+    rows = ((text, *(f"{{frame-rates/{case}/{name}/J}}" for name in _DRIVES)) for text, case in cases.items())
+    return [("J of drives, by frames per second", *(name.removeprefix("drive-") for name in _DRIVES)), *rows]
 
 
 def _given_cameras() -> Rows:
