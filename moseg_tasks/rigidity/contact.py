@@ -21,11 +21,16 @@ _SAME_SURFACE = 0.2  # largest difference of inverse depth in the strip below a 
 _GROUND_NOISE, _GROUND_SLACK = 2.0, 0.1  # of a track on the ground: in its noise, and as a share of the parallax
 _MARGIN = 0.35  # additional half width of the strip in which ground is looked for, camera heights
 _SHADOW = 0.1  # rows above the apparent contact that need not show ground, camera heights
-_NEARER = 0.8  # inverse depth from which a track that is not ground hides it, share of the surface's
+_CUT_OFF = 0.15  # rows above the frame's lower edge in which a surface's foot may be cut off, camera heights
 
 
 def contact_excess(
-    points: np.ndarray, parallax: Parallax, ground: Ground, noise: np.ndarray, params: RigidityParams
+    points: np.ndarray,
+    parallax: Parallax,
+    ground: Ground,
+    shape: tuple[int, int],
+    noise: np.ndarray,
+    params: RigidityParams,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far a track's surface seems to hang above the ground, beyond what needs no motion.
 
@@ -36,6 +41,8 @@ def contact_excess(
     parallax : Parallax
         Of these tracks.
     ground : Ground
+    shape : (height, width)
+        Of the frame.
     noise : float64 (N,)
         Of their displacements, px.
     params : RigidityParams
@@ -71,13 +78,15 @@ def contact_excess(
     # Rows nearer to the contact are not told from the ground: even a surface that stands on it seems to end above.
     unseen = 1 - (1 - 2 * noise[upright] / along[upright]) / params.contact_parallax
     hangs = (lifted > np.maximum(params.contact_lift, unseen + params.contact_margin)) & (lifted < params.contact_top)
+    # The ground beside a foot that the frame cuts off would pass for the ground below it.
+    hangs &= bottom < shape[0] - _CUT_OFF * camera_height[upright]
     upright, half, bottom, lifted = upright[hangs], half[hangs], bottom[hangs], lifted[hangs]
     ground_noise = _GROUND_NOISE * noise + _GROUND_SLACK * ground_parallax
     is_ground = (np.abs(ground_parallax - along) < ground_noise) & (below > 0)
     is_raised = ~is_ground & (inverse_depth > below)
     size = camera_height[upright]
     rows = bottom + 1, bottom + (lifted - _SHADOW) * size + 1
-    is_seen = _ground_is_seen(points, inverse_depth, is_ground, is_raised, upright, half + _MARGIN * size, rows)
+    is_seen = _ground_is_seen(points, is_ground, is_raised, upright, half + _MARGIN * size, rows)
     upright, lifted, size = upright[is_seen], lifted[is_seen], size[is_seen]
     relative = depth_noise[upright] / inverse_depth[upright]
     spread = np.sqrt(params.contact_noise**2 + (params.contact_noise_pixels / size) ** 2 + relative**2)
@@ -118,10 +127,10 @@ def _bottom_rows(points, inverse_depth, surface, half) -> np.ndarray:
     return bottom
 
 
-def _ground_is_seen(points, inverse_depth, is_ground, is_raised, tracks, half, rows) -> np.ndarray:
+def _ground_is_seen(points, is_ground, is_raised, tracks, half, rows) -> np.ndarray:
     """Return whether the ground shows between two rows below each of the tracks (M,).
 
-    It does not where other things hide it, nor where terrain rises from it: what stands on a bank hangs above the plane
+    It does not where more rises from it: things that hide it, or terrain. What stands on a bank hangs above the plane
     of the road.
     """
     order = np.argsort(points[:, 0])
@@ -130,7 +139,6 @@ def _ground_is_seen(points, inverse_depth, is_ground, is_raised, tracks, half, r
     row, inside = expand_runs(start, stop)
     other = order[inside]
     between = (y[inside] > rows[0][row]) & (y[inside] < rows[1][row])
-    hides = ~is_ground[other] & (inverse_depth[other] > _NEARER * inverse_depth[tracks][row])
     num_ground = np.bincount(row[between & is_ground[other]], minlength=len(tracks))
-    num_other = np.bincount(row[between & (hides | is_raised[other])], minlength=len(tracks))
-    return (num_ground >= 1) & (num_ground > 2 * num_other)
+    num_raised = np.bincount(row[between & is_raised[other]], minlength=len(tracks))
+    return (num_ground >= 1) & (num_ground > 2 * num_raised)

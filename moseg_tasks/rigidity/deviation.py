@@ -35,7 +35,12 @@ class Deviation(NamedTuple):
 
 
 def deviation_from_ground(
-    points: np.ndarray, parallax: Parallax, ground: Ground | None, noise: np.ndarray, params: RigidityParams
+    points: np.ndarray,
+    parallax: Parallax,
+    ground: Ground | None,
+    shape: tuple[int, int],
+    noise: np.ndarray,
+    params: RigidityParams,
 ) -> Deviation:
     """Return the deviation from points in front of the ground that stand on it; without it, from points at any depth.
 
@@ -46,6 +51,8 @@ def deviation_from_ground(
     parallax : Parallax
         Of these tracks.
     ground : Ground or None
+    shape : (height, width)
+        Of the frame.
     noise : float64 (N,)
         Of their displacements, px.
     params : RigidityParams
@@ -58,7 +65,7 @@ def deviation_from_ground(
     too_far = np.maximum(behind_infinity, on_ground - parallax.along)
     far_noise = np.hypot(noise, params.ground_slack * on_ground)
     least = np.maximum(on_ground * (1 - _ALLOWED * params.ground_slack) - _ROUNDING[0], 0)
-    too_near, height = contact_excess(points, parallax, ground, noise, params)
+    too_near, height = contact_excess(points, parallax, ground, shape, noise, params)
     # A static surface with its foot as far above the ground as needs no motion.
     standing = parallax.inverse_depth * (1 - height) / (1 - params.contact_lift)
     largest = np.where(too_near > 0, parallax.at(standing) + _ROUNDING[1], _ANY)

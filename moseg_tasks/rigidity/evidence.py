@@ -89,7 +89,7 @@ def pair_evidence(
     if bounds is None and inverse_depth is not None:
         bounds = bound_inverse_depth(inverse_depth, points0, parallax, noise, params)
     if bounds is None:
-        deviation = deviation_from_ground(points0, parallax, ground, noise, params)
+        deviation = deviation_from_ground(points0, parallax, ground, shape, noise, params)
     else:
         deviation = deviation_from_depth(parallax, bounds, noise, params)
     far = deviation.too_far / deviation.far_noise

@@ -84,7 +84,7 @@ def _params(config: PipelineConfig, step: int = 1) -> dict:
     return params if step == 1 else {**params, "step": step}
 
 
-EPIPOLAR = Task("rigidity", "epipolar", version=5, run=_run, params=_params)
+EPIPOLAR = Task("rigidity", "epipolar", version=6, run=_run, params=_params)
 
 STAGE = Stage(
     name="rigidity",

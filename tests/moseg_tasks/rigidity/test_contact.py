@@ -13,6 +13,7 @@ PARAMS = RigidityParams()
 SHAPE, FOCAL, CAMERA_HEIGHT = (375, 1242), 0.73, 1.5
 AHEAD = CameraMotion(np.eye(3), np.array([0.0, 0.0, -1.0]), FOCAL * SHAPE[1])
 GROUND = Ground(np.array([0.0, 1 / (CAMERA_HEIGHT * FOCAL * SHAPE[1])]), find_epipole(AHEAD, SHAPE))
+ADVANCE = np.array([0.0, 0.0, 1.0])
 PARKED, COMING = (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)
 
 
@@ -25,7 +26,7 @@ def measure(see, road, front):
         points0, points1, _ = (np.concatenate(parts) for parts in zip(mover, static, strict=True))
         parallax = split_displacements(points0, points1, AHEAD, SHAPE)
         params = PARAMS.model_copy(update=changes)
-        excess, height = contact_excess(points0, parallax, GROUND, np.full(len(points0), noise), params)
+        excess, height = contact_excess(points0, parallax, GROUND, SHAPE, np.full(len(points0), noise), params)
         np.testing.assert_array_equal(excess > 0, height > 0)
         num_tracks = len(mover.points0)
         assert not excess[num_tracks:].any()
@@ -54,8 +55,24 @@ def bank(num_points: int, height: float) -> np.ndarray:
 def test_a_trunk_on_ground_that_rises_does_not_hang(see, road, num_points, height, hangs):
     scene = see(np.concatenate([trunk(), bank(num_points, height), road]), yaw=0)
     parallax = split_displacements(scene.points0, scene.points1, AHEAD, SHAPE)
-    excess, _ = contact_excess(scene.points0, parallax, GROUND, np.full(len(scene.points0), 0.2), PARAMS)
+    excess, _ = contact_excess(scene.points0, parallax, GROUND, SHAPE, np.full(len(scene.points0), 0.2), PARAMS)
     assert excess[scene.depth == 14.0].any() == hangs
+
+
+@pytest.mark.parametrize(("frame_height", "hangs"), [(375, False), (385, False), (395, True)])
+def test_a_foot_that_the_frame_cuts_off_does_not_hang(see, road, frame_height, hangs):
+    # A car 6 ahead whose tracks end at row 353; the camera's height is 227 px there.
+    rng = np.random.default_rng(5)
+    car = np.column_stack([rng.uniform(1, 2.5, 900), rng.uniform(0, 1.1, 900), np.full(900, 6.0)])
+    column = road[:, 0] / road[:, 2]
+    beside = road[(column < 1 / 6) | (column > 2.5 / 6)]
+    scene = see(np.concatenate([car, beside]), yaw=0, advance=0.1 * ADVANCE)
+    parallax = split_displacements(scene.points0, scene.points1, AHEAD, SHAPE)
+    # In lengths of the camera's way.
+    ground = GROUND._replace(slope=0.1 * GROUND.slope)
+    noise = np.full(len(scene.points0), 0.05)
+    excess, _ = contact_excess(scene.points0, parallax, ground, (frame_height, SHAPE[1]), noise, PARAMS)
+    assert excess[scene.depth == 6.0].any() == hangs
 
 
 @pytest.mark.parametrize("noise", [0.1, 0.5, 1.0, 1.5])

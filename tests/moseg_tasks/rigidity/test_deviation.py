@@ -27,7 +27,8 @@ def deviate(see, road):
         ground = fit_ground(points0, parallax, find_epipole(AHEAD, SHAPE), SHAPE, PARAMS)
         assert (ground is not None) == has_road
         noise = displacement_noise(points0, points1, PARAMS.noise, PARAMS.noise_share)
-        return deviation_from_ground(points0, parallax, ground, noise, PARAMS), len(mover.points0), parallax.along
+        deviation = deviation_from_ground(points0, parallax, ground, SHAPE, noise, PARAMS)
+        return deviation, len(mover.points0), parallax.along
 
     return measure
 
