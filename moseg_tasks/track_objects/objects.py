@@ -9,7 +9,7 @@ from moseg.tasks.track_objects.compactness import enclosed_share
 from moseg.tasks.track_objects.field import PairEvidence
 from moseg.tasks.track_objects.regroup import RegroupedTracks
 from moseg.tasks.track_objects.score import score_groups
-from moseg.tasks.track_objects.wholeness import complete_objects
+from moseg.tasks.track_objects.wholeness import complete_objects, share_of_groups
 
 
 class TrackObjects(NamedTuple):
@@ -25,7 +25,7 @@ class TrackObjects(NamedTuple):
     num_tracks, num_observations : int64 (object,)
         See `GroupScores`.
     best_part : float64 (object,)
-        Highest score of the object's part in one candidate.
+        Highest score of the object's part in one candidate, in scores that such a part needs.
     on_surface : float64 (object,)
         See `WholeObjects`.
     """
@@ -60,7 +60,8 @@ def judge_objects(
     ----------
     groups : RegroupedTracks
     candidate : uint16 (track,)
-        0 = none. Parts of several candidates with little evidence each are no object, whatever their sum.
+        0 = none. Parts of several candidates with little evidence each are no object, whatever their sum: one of them
+        must be nearly enough alone, as what lies on a surface or does not.
     surface : integer (track,)
         0 = none. What lies on no surface needs more evidence: slips of the tracker are scattered.
     points : floating (track, frame, xy)
@@ -78,21 +79,13 @@ def judge_objects(
     group = _without_static_groups(groups, points, visible, *strict, params)
     count = int(group.max(initial=-1)) + 1
     found = score_groups(group, count, visible, *strict, params.max_error)
-    stride = int(candidate.max(initial=0)) + 1
-    part, member = np.unique(np.where(group >= 0, group * stride + candidate, -1), return_inverse=True)
-    member = np.where(group >= 0, member, -1)
-    scores = score_groups(member, len(part), visible, *strict, params.max_error).score
-    best_part = np.full(count, -np.inf)
-    np.maximum.at(best_part, part[part >= 0] // stride, scores[part >= 0])
-    large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)
     whole = complete_objects(group, surface, params)
-    is_scattered = whole.on_surface < params.min_on_surface
-    min_score, min_test = params.min_score / params.sensitivity, params.min_test / params.sensitivity
-    min_scattered = max(params.min_score, params.min_scattered_score) / params.sensitivity
-    needed = np.where(is_scattered, min_scattered, min_score)
+    needed = _smallest_scores(whole.on_surface, params)
+    best_part = _best_parts(group, count, candidate, whole.is_on_surface, visible, evidence, params)
+    large = (found.num_tracks >= params.min_tracks) & (found.num_observations >= params.min_observations)
     relative = params.min_ratio / params.sensitivity * found.score.max(initial=0)
-    enough = (found.score >= np.maximum(needed, relative)) & (found.test >= min_test)
-    is_moving = large & enough & (best_part >= params.min_part * min_score)
+    enough = (found.score >= np.maximum(needed, relative)) & (found.test >= params.min_test / params.sensitivity)
+    is_moving = large & enough & (best_part >= params.min_part)
     order = np.argsort(-found.score, kind="stable")
     number = np.zeros(count + 1, np.uint16)
     number[order] = np.arange(1, count + 1)
@@ -107,6 +100,35 @@ def judge_objects(
         best_part=best_part[order],
         on_surface=whole.on_surface[order],
     )
+
+
+def _smallest_scores(on_surface: np.ndarray, params: TrackObjectParams) -> np.ndarray:
+    """Return the score that groups of tracks need, by the share of theirs on surfaces, float64 (group,)."""
+    scattered = max(params.min_score, params.min_scattered_score)
+    return np.where(on_surface < params.min_on_surface, scattered, params.min_score) / params.sensitivity
+
+
+def _best_parts(
+    group: np.ndarray,
+    num_groups: int,
+    candidate: np.ndarray,
+    is_on_surface: np.ndarray,
+    visible: np.ndarray,
+    evidence: PairEvidence,
+    params: TrackObjectParams,
+) -> np.ndarray:
+    """Return the best score of a group's part in one candidate, in scores that such a part needs, float64 (group,)."""
+    stride = int(candidate.max(initial=0)) + 1
+    tracks = np.flatnonzero(group >= 0)
+    keys, parts = np.unique(group[tracks] * stride + candidate[tracks], return_inverse=True)
+    part = np.full(len(group), -1)
+    part[tracks] = parts
+    strict = evidence.strict_error, evidence.strict_test
+    score = score_groups(part, len(keys), visible, *strict, params.max_error).score
+    needed = _smallest_scores(share_of_groups(is_on_surface, part, len(keys)), params)
+    best = np.full(num_groups, -np.inf)
+    np.maximum.at(best, keys // stride, np.divide(score, needed, out=np.full(len(keys), np.inf), where=needed > 0))
+    return best
 
 
 def _without_static_groups(

@@ -14,11 +14,14 @@ class WholeObjects(NamedTuple):
     ----------
     group : int64 (track,)
         From 0; -1 = none.
+    is_on_surface : bool (track,)
+        Whether it lies on a surface of which its group has a good part.
     on_surface : float64 (group,)
-        Share of each group's tracks, with the rest, that lie on a surface of which it has a good part.
+        Share of such tracks in each group, with the rest.
     """
 
     group: np.ndarray
+    is_on_surface: np.ndarray
     on_surface: np.ndarray
 
 
@@ -46,9 +49,14 @@ def complete_objects(group: np.ndarray, surface: np.ndarray, params: TrackObject
     num_groups = int(group.max(initial=-1)) + 1
     owner = _owners(group, surface, num_groups, params.min_surface)[surface]
     whole = np.where(group < 0, owner, group)
-    num_tracks = np.bincount(whole[whole >= 0], minlength=num_groups)
-    num_on_surface = np.bincount(whole[(whole >= 0) & (whole == owner)], minlength=num_groups)
-    return WholeObjects(whole, num_on_surface / np.maximum(num_tracks, 1))
+    is_on_surface = (whole >= 0) & (whole == owner)
+    return WholeObjects(whole, is_on_surface, share_of_groups(is_on_surface, whole, num_groups))
+
+
+def share_of_groups(holds: np.ndarray, group: np.ndarray, num_groups: int) -> np.ndarray:
+    """Return the share of each group's tracks for which something holds, float64 (group,); 0 where it has none."""
+    num_tracks = np.bincount(group[group >= 0], minlength=num_groups)
+    return np.bincount(group[holds & (group >= 0)], minlength=num_groups) / np.maximum(num_tracks, 1)
 
 
 def _owners(group: np.ndarray, surface: np.ndarray, num_groups: int, min_share: float) -> np.ndarray:

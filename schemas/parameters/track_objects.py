@@ -199,10 +199,13 @@ class TrackObjectParams(Frozen):
         " the window; lower finds more, and more that does not move",
     )
     min_part: Annotated[float, Unit.SHARE] = Field(
-        0.7, ge=0, description="smallest score of its best candidate, as a share of the smallest score"
+        0.7,
+        ge=0,
+        description="smallest score of its part in the best candidate, as a share of what such a part needs alone,"
+        " scattered or not",
     )
     min_test: Annotated[float, Unit.RATIO] = Field(
-        0.25,
+        0.15,
         ge=-1,
         le=3,
         description="smallest mean strict test of a moving object: how much worse the best rigid position explains"

@@ -33,7 +33,8 @@ def test_features_are_those_of_the_tracks_and_pairs(drive):
     assert found.num_observations.tolist() == [25 * 8]
     assert found.strength.tolist() == [4 * 25 * 6]
     assert found.test.tolist() == [2]
-    assert found.score.tolist() == found.best_part.tolist() == [CAR_SCORE]
+    assert found.score.tolist() == [CAR_SCORE]
+    assert found.best_part.tolist() == [CAR_SCORE / PARAMS.min_score]
     assert found.on_surface.tolist() == [1]
     assert found.is_moving.tolist() == [True]
 
@@ -125,7 +126,7 @@ def test_weak_parts_of_different_candidates_do_not_add_up_to_an_object(drive):
     # Five parts with a fifth of the score each.
     parted = _judge(scene, candidate=candidate, **limit)
     assert parted.score.tolist() == [CAR_SCORE]
-    assert parted.best_part.tolist() == [CAR_SCORE / 5]
+    assert parted.best_part.tolist() == [1 / 5]
     assert parted.is_moving.tolist() == [False]
     assert _judge(scene, **limit).is_moving.tolist() == [True]
     assert _judge(scene, candidate=candidate, min_score=CAR_SCORE, min_part=0.2).is_moving.tolist() == [True]
@@ -136,7 +137,30 @@ def test_weak_parts_of_different_candidates_do_not_add_up_to_an_object(drive):
 def test_the_best_part_is_that_of_the_object_itself(drive):
     scene = drive(CAR, VAN)
     found = _judge(scene, candidate=(scene.truth > 0).astype(np.uint16))
-    np.testing.assert_array_equal(found.best_part, found.score)
+    np.testing.assert_array_equal(found.best_part, found.score / PARAMS.min_score)
+
+
+def test_a_scattered_part_does_not_move_with_a_surface_that_it_joins(drive):
+    # The car's tracks show that it moves and lie on no surface; the van's, of its motion group, lie on one.
+    scene = drive(CAR, (*VAN[:3], 0.0))
+    group = np.where(scene.truth > 0, 0, -1)
+    surface = np.where(scene.truth == 2, 1, 0).astype(np.uint16)
+    candidate = scene.truth.astype(np.uint16)
+    limits = {"min_score": CAR_SCORE / 5, "min_scattered_score": 1.5 * CAR_SCORE, "min_test": 0.0}
+    joined = _judge(scene, group, candidate, surface, **limits)
+    assert joined.on_surface[0] > PARAMS.min_on_surface
+    assert joined.best_part.tolist() == [pytest.approx(1 / 1.5)]
+    assert joined.is_moving.tolist() == [False]
+    # One candidate is one part, whatever its tracks lie on; nor is a part scattered that lies on a surface.
+    assert _judge(scene, group, (candidate > 0).astype(np.uint16), surface, **limits).is_moving.tolist() == [True]
+    assert _judge(scene, group, candidate, (candidate > 0).astype(np.uint16), **limits).is_moving.tolist() == [True]
+
+
+def test_without_a_smallest_score_every_part_is_enough(drive):
+    scene = drive((*CAR[:3], 0.0))
+    found = _judge(scene, min_score=0.0, min_scattered_score=0.0, min_test=0.0)
+    assert found.best_part.tolist() == [np.inf]
+    assert found.is_moving.tolist() == [True]
 
 
 @pytest.mark.parametrize("num_tracks", [0, 1, 600])
