@@ -151,6 +151,9 @@ def test_a_scattered_part_does_not_move_with_a_surface_that_it_joins(drive):
     assert joined.on_surface[0] > PARAMS.min_on_surface
     assert joined.best_part.tolist() == [pytest.approx(1 / 1.5)]
     assert joined.is_moving.tolist() == [False]
+    # Nor with a surface of its own of which it has a small part: the car's and the background's.
+    of_all = np.where(surface == 1, 1, 2).astype(np.uint16)
+    assert _judge(scene, group, candidate, of_all, **limits).is_moving.tolist() == [False]
     # One candidate is one part, whatever its tracks lie on; nor is a part scattered that lies on a surface.
     assert _judge(scene, group, (candidate > 0).astype(np.uint16), surface, **limits).is_moving.tolist() == [True]
     assert _judge(scene, group, candidate, (candidate > 0).astype(np.uint16), **limits).is_moving.tolist() == [True]

@@ -20,6 +20,7 @@ def test_a_group_takes_the_rest_of_a_surface_of_which_it_has_a_good_part():
     found = _complete([0, -1, -1, -1, -1, 0], [1, 1, 1, 1, 0, 0])
     assert found.group.dtype == np.int64
     assert found.group.tolist() == [0, 0, 0, 0, -1, 0]
+    assert found.is_on_surface.tolist() == [True] * 4 + [False] * 2
     assert found.on_surface.tolist() == [4 / 5]
 
 
