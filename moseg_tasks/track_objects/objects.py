@@ -11,6 +11,9 @@ from moseg.tasks.track_objects.regroup import RegroupedTracks
 from moseg.tasks.track_objects.score import score_groups
 from moseg.tasks.track_objects.wholeness import complete_objects, share_of_groups
 
+_LEAST_SCORE = 1e-6
+"""What a part needs even if `min_score` is 0."""
+
 
 class TrackObjects(NamedTuple):
     """Objects of tracks, numbered 1.. by falling score, and what decides about them.
@@ -127,7 +130,7 @@ def _best_parts(
     score = score_groups(part, len(keys), visible, *strict, params.max_error).score
     needed = _smallest_scores(share_of_groups(is_on_surface, part, len(keys)), params)
     best = np.full(num_groups, -np.inf)
-    np.maximum.at(best, keys // stride, np.divide(score, needed, out=np.full(len(keys), np.inf), where=needed > 0))
+    np.maximum.at(best, keys // stride, score / np.maximum(needed, _LEAST_SCORE))
     return best
 
 

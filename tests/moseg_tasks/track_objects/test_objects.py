@@ -159,11 +159,12 @@ def test_a_scattered_part_does_not_move_with_a_surface_that_it_joins(drive):
     assert _judge(scene, group, candidate, (candidate > 0).astype(np.uint16), **limits).is_moving.tolist() == [True]
 
 
-def test_without_a_smallest_score_every_part_is_enough(drive):
-    scene = drive((*CAR[:3], 0.0))
-    found = _judge(scene, min_score=0.0, min_scattered_score=0.0, min_test=0.0)
-    assert found.best_part.tolist() == [np.inf]
+def test_with_a_smallest_score_of_zero_any_evidence_is_enough(drive):
+    limits = {"min_score": 0.0, "min_scattered_score": 0.0, "min_test": 0.0}
+    found = _judge(drive((*CAR[:3], 1e-4)), **limits)
+    assert np.isfinite(found.best_part).all()
     assert found.is_moving.tolist() == [True]
+    assert _judge(drive((*CAR[:3], 0.0)), **limits).is_moving.tolist() == [False]
 
 
 @pytest.mark.parametrize("num_tracks", [0, 1, 600])
