@@ -31,7 +31,7 @@ def main(arguments: list[str] | None = None) -> None:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, _interrupt)
     report_unraisable = sys.unraisablehook
-    sys.unraisablehook = partial(_repeat_interruption, report_unraisable)
+    sys.unraisablehook = partial(_handle_unraisable, report_unraisable)
     try:
         # Inside the block, because it takes a while and may be interrupted.
         from moseg.workflows.cli.app import run
@@ -40,7 +40,9 @@ def main(arguments: list[str] | None = None) -> None:
     except KeyboardInterrupt:
         code = report_interruption()
     finally:
-        sys.unraisablehook = report_unraisable
+        # What an interruption left half made is finalised until the end.
+        if not _received:
+            sys.unraisablehook = report_unraisable
     if code in (EXIT_INTERRUPTED, EXIT_TERMINATED) and os.name == "posix":
         # Only threads and processes that end by themselves are left: a second interruption must not print their traces.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -60,16 +62,20 @@ def _interrupt(number: int, frame: object) -> None:
     raise _Terminated if number == signal.SIGTERM else KeyboardInterrupt
 
 
-def _repeat_interruption(report: Callable[[object], object], unraisable: object) -> None:
+def _handle_unraisable(report: Callable[[object], object], unraisable: object) -> None:
     """Interrupt the main thread again if Python has dropped an interruption; report all else as before.
 
-    What a signal raises in a callback of the garbage collector or in a finaliser goes no further.
+    What a signal raises in a callback of the garbage collector or in a finaliser goes no further. An object that was
+    being made when the interruption came, as an event loop, lacks attributes that its finaliser reads: that is no news.
     """
-    if not isinstance(unraisable.exc_value, KeyboardInterrupt) or not hasattr(signal, "pthread_kill"):
-        report(unraisable)
+    error = unraisable.exc_value
+    if isinstance(error, KeyboardInterrupt) and hasattr(signal, "pthread_kill"):
+        number = signal.SIGTERM if isinstance(error, _Terminated) else signal.SIGINT
+        threading.Thread(target=_send_until_handled, args=(number, len(_received)), daemon=True).start()
         return
-    number = signal.SIGTERM if isinstance(unraisable.exc_value, _Terminated) else signal.SIGINT
-    threading.Thread(target=_send_until_handled, args=(number, len(_received)), daemon=True).start()
+    is_finaliser = getattr(unraisable.object, "__name__", None) == "__del__"
+    if not (_received and is_finaliser and isinstance(error, AttributeError)):
+        report(unraisable)
 
 
 def _send_until_handled(number: int, num_received: int) -> None:
