@@ -12,7 +12,7 @@ from moseg.tasks.track_objects.score import score_groups
 from moseg.tasks.track_objects.wholeness import complete_objects, share_of_groups
 
 _LEAST_SCORE = 1e-6
-"""What a part needs even if `min_score` is 0."""
+"""Score that a part needs at least, even where `min_score` is 0."""
 
 
 class TrackObjects(NamedTuple):
