@@ -12,6 +12,7 @@ from sklearn.metrics import adjusted_rand_score
 from moseg.schemas.parameters import CandidateParams, RegroupParams
 from moseg.tasks.track_objects.candidates import join_tracks
 from moseg.tasks.track_objects.groups import TrackGroups
+from moseg.tasks.track_objects.thin_joins import cut_thin_joins
 
 _MIN_SEEN = 2  # tracks of a part in a frame that show where it is
 
@@ -48,7 +49,8 @@ def regroup_candidates(
     Motion groups of the sample spread to the candidates' other tracks. The tracks of a candidate that belong to a group
     of static ones are cut from it, in pieces of joined tracks, unless these are most of it: a car that comes along its
     epipolar lines moves as the background does. Its other tracks part by group; parts of one group join if they are
-    near in a frame, or if one follows the other in time.
+    near in a frame, or if one follows the other in time. Last, moving groups are cut where they are joined thinly and
+    some sample tells the sides apart: two vehicles that drive ahead may agree with one motion in most of the samples.
 
     Parameters
     ----------
@@ -72,13 +74,29 @@ def regroup_candidates(
         objects = np.where(candidate > 0, candidate.astype(np.int64) - 1, -1)
         return RegroupedTracks(objects, np.zeros(int(candidate.max(initial=0)), bool))
     joined = join_tracks(points, visible, tracks, join_params)
-    found = [_regrouped(points, visible, candidate, groups, joined, params) for groups in samples]
-    return found[_most_typical([moving_group(each)[tracks] for each in found])]
+    motions = [_spread(joined, tracks, groups, params) for groups in samples]
+    each_sample = [
+        _regrouped(points, visible, candidate, motion, _static_groups(groups, params), joined, params)
+        for motion, groups in zip(motions, samples, strict=True)
+    ]
+    found = each_sample[_most_typical([moving_group(each)[tracks] for each in each_sample])]
+    own = moving_group(found)[tracks]
+    return _with_parts(found, tracks, own, cut_thin_joins(own, joined, motions, params))
 
 
 def moving_group(found: RegroupedTracks) -> np.ndarray:
     """Return the group of each track, int64 (track,), -1 also where it is a static one."""
     return np.where(np.append(found.is_static, True)[found.group], -1, found.group)
+
+
+def _with_parts(found: RegroupedTracks, tracks: np.ndarray, own: np.ndarray, parted: np.ndarray) -> RegroupedTracks:
+    """Return the groups with moving ones, `own` (n,) of `tracks`, parted: those numbered above all of them are new."""
+    highest, count = int(own.max(initial=-1)), len(found.is_static)
+    is_new = parted > highest
+    group = found.group.copy()
+    group[tracks[is_new]] = parted[is_new] - highest - 1 + count
+    num_new = int(parted.max(initial=-1)) - highest
+    return RegroupedTracks(group, np.append(found.is_static, np.zeros(num_new, bool)))
 
 
 def _most_typical(groupings: Sequence[np.ndarray]) -> int:
@@ -94,25 +112,25 @@ def _regrouped(
     points: np.ndarray,
     visible: np.ndarray,
     candidate: np.ndarray,
-    groups: TrackGroups,
+    motion: np.ndarray,
+    is_static: np.ndarray,
     joined: csr_matrix,
     params: RegroupParams,
 ) -> RegroupedTracks:
-    """Return the groups that the candidates' tracks form, by the motion groups of one sample."""
+    """Return the groups that the candidates' tracks form, by their motion groups (n,) of one sample."""
     tracks = np.flatnonzero(candidate)
     objects = np.full(len(candidate), -1)
-    is_static = _static_groups(groups, params)
     group = np.full(len(candidate), -1)
-    group[tracks] = _spread(joined, tracks, groups, len(is_static), params)
+    group[tracks] = motion
     parts: list[tuple[int, np.ndarray]] = []
     static_pieces: list[np.ndarray] = []
     for number in range(1, int(candidate.max(initial=0)) + 1):
         moving, static = _split(np.flatnonzero(candidate == number), group, is_static, params)
-        for motion, part in moving:
-            near = [at for at, (other, _) in enumerate(parts) if motion == other >= 0]
+        for moved_as, part in moving:
+            near = [at for at, (other, _) in enumerate(parts) if moved_as == other >= 0]
             near = [at for at in near if _belong_together(parts[at][1], part, points, visible, params)]
             part = np.concatenate([part, *(parts[at][1] for at in near)])
-            parts = [entry for at, entry in enumerate(parts) if at not in near] + [(motion, part)]
+            parts = [entry for at, entry in enumerate(parts) if at not in near] + [(moved_as, part)]
         static_pieces += _pieces(static, joined, tracks, params)
     for number, part in enumerate([*(part for _, part in parts), *static_pieces]):
         objects[part] = number
@@ -127,13 +145,11 @@ def _static_groups(groups: TrackGroups, params: RegroupParams) -> np.ndarray:
     return (share > params.static_majority) | (num_static > params.static_share * num_static.sum())
 
 
-def _spread(
-    joined: csr_matrix, tracks: np.ndarray, groups: TrackGroups, num_groups: int, params: RegroupParams
-) -> np.ndarray:
+def _spread(joined: csr_matrix, tracks: np.ndarray, groups: TrackGroups, params: RegroupParams) -> np.ndarray:
     """Return the motion group of each of `tracks`, int64 (n,), from the sampled ones among them; -1 = unknown."""
     sampled = groups.track[groups.is_candidate]
     rows = np.searchsorted(tracks, sampled)
-    given = np.zeros((len(tracks), num_groups))
+    given = np.zeros((len(tracks), int(groups.motion.max()) + 1))
     given[rows, groups.motion[groups.is_candidate]] = 1
     joined = joined + joined.T
     degree = np.maximum(np.asarray(joined.sum(axis=1)).ravel(), 1e-9)

@@ -180,6 +180,23 @@ class RegroupParams(Frozen):
     margin_per_frame: Annotated[float, Unit.PIXELS_PER_FRAME] = Field(
         3.0, ge=0, description="growth of that margin with the frames between, px/frame"
     )
+    thin_join: Annotated[float, Unit.SHARE] = Field(
+        0.01,
+        ge=0,
+        le=1,
+        description="conductance of a cut through joined tracks below which their group may be cut there: the"
+        " similarity that is cut, as a share of that of the side with less of it",
+    )
+    min_side: Annotated[float, Unit.SHARE] = Field(
+        0.1, ge=0, le=0.5, description="share of a group's similarity that a side of such a cut has at least"
+    )
+    min_difference: Annotated[float, Unit.SHARE] = Field(
+        0.3,
+        ge=0,
+        le=1,
+        description="smallest difference of the motion groups of both sides in one of the samples: share of a side that"
+        " has other ones than the other side",
+    )
 
 
 class TrackObjectParams(Frozen):

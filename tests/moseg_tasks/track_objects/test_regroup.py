@@ -219,3 +219,36 @@ def test_without_candidates_there_is_no_object(drive, num_tracks):
     static = TrackGroups(tracks, np.zeros(len(tracks), bool), np.zeros(len(tracks), np.uint16))
     few = scene._replace(points=scene.points[:num_tracks], visible=scene.visible[:num_tracks])
     assert _regroup(few, nothing, static).tolist() == [-1] * num_tracks
+
+
+def test_a_thin_join_is_cut_where_another_sample_tells_the_sides_apart(drive):
+    # Two blocks that meet at a corner and move alike.
+    scene = drive(CAR, ((150, 110), 5, (-3.0, 0.0), 2.0))
+    joined, parted = _sample(scene, (STATIC, FIRST, FIRST)), _sample(scene, (STATIC, FIRST, SECOND))
+    candidate = (scene.truth > 0).astype(np.uint16)
+
+    def regroup(samples, thin_join):
+        params = PARAMS.model_copy(update={"thin_join": thin_join})
+        return regroup_candidates(scene.points, scene.visible, candidate, samples, JOIN, params)
+
+    most_typical = [joined, joined, joined, parted]
+    assert _blocks(scene, moving_group(regroup(most_typical, 0.0))) == [-1, 0, 0]
+    found = regroup(most_typical, 0.1)
+    assert sorted(_blocks(scene, moving_group(found))) == [-1, 0, 1]
+    assert found.is_static.tolist() == [False, False]
+    assert _blocks(scene, moving_group(regroup([joined] * 4, 0.1))) == [-1, 0, 0]
+
+
+def test_new_parts_are_numbered_after_static_groups(drive):
+    kerb = ((20, 20), 3, (1.0, 0.0), 2.0)
+    scene = drive(CAR, ((150, 110), 5, (-3.0, 0.0), 2.0), kerb)
+    alike = _sample(scene, (STATIC, FIRST, FIRST, STATIC), every=1)
+    apart = _sample(scene, (STATIC, FIRST, SECOND, STATIC), every=1)
+    candidate = (scene.truth > 0).astype(np.uint16)
+    params = PARAMS.model_copy(update={"thin_join": 0.1})
+    samples = [alike, alike, alike, apart]
+    found = regroup_candidates(scene.points, scene.visible, candidate, samples, JOIN, params)
+    assert found.is_static.tolist() == [False, True, False]
+    background, car, other, bank = _blocks(scene, found.group)
+    assert (background, bank) == (-1, 1)
+    assert {car, other} == {0, 2}
