@@ -5,6 +5,7 @@ import pytest
 from scipy.sparse import coo_matrix, triu
 
 from moseg.schemas.parameters import RegroupParams
+from moseg.tasks.track_objects import thin_joins
 from moseg.tasks.track_objects.thin_joins import cut_thin_joins
 
 PARAMS = RegroupParams()
@@ -19,7 +20,8 @@ def _blocks(sizes, bridges=()):
         for place in range(size)
         for step in (1, 2, size // 3)
     ]
-    joins += [(starts[first], starts[second], similarity) for first, second, similarity in bridges]
+    # Each bridge ends at other tracks than the ones before.
+    joins += [(starts[first] + at, starts[second] + at, value) for at, (first, second, value) in enumerate(bridges)]
     rows, columns, values = np.array(joins).T
     rows, columns = np.sort([rows.astype(int), columns.astype(int)], axis=0)
     return triu(coo_matrix((values, (rows, columns)), (starts[-1],) * 2)).tocsr()
@@ -85,6 +87,12 @@ def test_sides_are_cut_again():
     assert found[[0, 30, 70]].tolist() == [2, 0, 1]
 
 
+def test_the_smaller_side_is_cut_again_too():
+    sizes = (100, 30, 40)
+    found = _cut(sizes, ((0, 1, 0.1), (1, 2, 0.5)))
+    assert (found == np.repeat([0, 2, 1], sizes)).all()
+
+
 def test_what_nothing_joins_stays_in_its_group():
     assert (_cut((40, 30)) == 0).all()
     # A piece beside that is cut stays with the group, and so does the larger side.
@@ -109,6 +117,14 @@ def test_large_groups_are_cut_as_small_ones_are():
     sizes = (260, 140)
     assert (_cut(sizes, THIN) == _labels(sizes)).all()
     assert (_cut((400, 1), ()) == 0).all()
+
+
+@pytest.mark.parametrize("dense", [10, 1000])
+def test_thicker_joins_are_found_if_asked_for(dense, monkeypatch):
+    monkeypatch.setattr(thin_joins, "_DENSE", dense)
+    sizes, joins = (40, 30), ((0, 1, 1.0),) * 10
+    assert (_cut(sizes, joins) == 0).all()
+    assert (_cut(sizes, joins, thin_join=0.06) == _labels(sizes)).all()
 
 
 def test_no_tracks_and_few_tracks():
