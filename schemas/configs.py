@@ -49,6 +49,7 @@ from moseg.schemas.parameters import (
     MovingObjectParams,
     NoiseReductionParams,
     ObjectHypothesisParams,
+    ObjectPointParams,
     OwnMotionParams,
     PipsParams,
     PluginParams,
@@ -190,6 +191,7 @@ class PipelineConfig(Frozen):
     track_candidates: CandidateParams = CandidateParams()
     track_groups: TrackGroupParams = TrackGroupParams()
     track_objects: TrackObjectParams = TrackObjectParams()
+    object_points: ObjectPointParams = ObjectPointParams()
     track_masks: TrackMaskParams = TrackMaskParams()
     track_surfaces: TrackSurfaceParams = TrackSurfaceParams()
     moves_now: MovesNowParams = MovesNowParams()

@@ -34,6 +34,7 @@ PARTS = {
         *("consistency", "accumulation", "motion_memory", "own_motion", "coherence", "appearance", "foreground"),
         "components",
         *("dense_tracks", "cameras", "rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"),
+        "object_points",
     ),
     "objects": (
         "tags",

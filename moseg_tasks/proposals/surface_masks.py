@@ -47,7 +47,9 @@ def surface_masks(
         if not labels[seen].any():
             continue
         far = np.full(grid, 255, np.uint8)
-        cells = np.clip(np.rint(points[seen, frame] / _STEP).astype(int), 0, [grid[1] - 1, grid[0] - 1])
+        # A cell of the grid stands for the pixels around its middle.
+        cells = np.rint((points[seen, frame] - (_STEP - 1) / 2) / _STEP).astype(int)
+        cells = np.clip(cells, 0, [grid[1] - 1, grid[0] - 1])
         far[cells[:, 1], cells[:, 0]] = 0
         distance, nearest = cv2.distanceTransformWithLabels(far, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
         label_of = np.zeros(nearest.max() + 1, np.uint16)

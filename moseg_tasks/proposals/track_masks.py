@@ -14,6 +14,8 @@ STEP = 2
 """Spacing of the grid on which pixels are labelled, px."""
 BLOCK = 3
 """Side of the blocks of the grid that are labelled at once where only one object is near; odd."""
+_MIDDLE = (STEP - 1) / 2
+"""Place of the middle of a cell of the grid from its first pixel, px."""
 _TINY = 1e-12
 """Weight of a vote by distance alone, for pixels that resemble none of their tracks."""
 
@@ -128,7 +130,7 @@ def _label_grid(
     candidates = _near_objects(place[objects > 0], shape, params.radius)
     grid, is_decided = _label_blocks(candidates, tree, objects, num_neighbours)
     rows, columns = np.nonzero(candidates & ~is_decided)
-    pixels = np.stack([columns, rows], axis=1) * float(STEP)
+    pixels = np.stack([columns, rows], axis=1) * float(STEP) + _MIDDLE
     distance, near = (found.reshape(-1, num_neighbours) for found in tree.query(pixels, k=num_neighbours))
     grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), params.grey_blur)
     weights = _weigh(grey, flow, rows * STEP, columns * STEP, distance, near, place, motion, params)
@@ -139,7 +141,7 @@ def _label_grid(
 def _near_objects(place: np.ndarray, shape: tuple[int, int], radius: float) -> np.ndarray:
     """Return which pixels of the grid are within `radius` px of one of the tracks, bool (y, x)."""
     far = np.full(shape, 255, np.uint8)
-    cells = np.clip(np.rint(place / STEP).astype(int), 0, [shape[1] - 1, shape[0] - 1])
+    cells = np.clip(np.rint((place - _MIDDLE) / STEP).astype(int), 0, [shape[1] - 1, shape[0] - 1])
     far[cells[:, 1], cells[:, 0]] = 0
     return cv2.distanceTransform(far, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * STEP <= radius
 
@@ -161,7 +163,7 @@ def _label_blocks(
     padded[:height, :width] = candidates
     rows, columns = np.nonzero(padded.reshape(sides[0], BLOCK, sides[1], BLOCK).any(axis=(1, 3)))
     half = BLOCK // 2
-    centres = (np.stack([columns, rows], axis=1) * BLOCK + half) * float(STEP)
+    centres = (np.stack([columns, rows], axis=1) * BLOCK + half) * float(STEP) + _MIDDLE
     farthest = tree.query(centres, k=[num_neighbours])[0][:, 0]
     # The nearest tracks of any pixel of the block lie within this distance of its centre.
     reach = farthest + 2 * np.sqrt(2) * half * STEP
@@ -193,13 +195,18 @@ def _weigh(
     own_grey = cv2.remap(grey.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     own_flow = cv2.remap(flow, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).reshape(-1, 2)
     own_flow = np.where(np.isfinite(motion), motion, own_flow)
-    flow, grey = flow[rows, columns], grey[rows, columns].astype(np.float32)
+    flow, grey = (_mean_of_cells(values)[rows, columns] for values in (flow, grey))
     scale = np.float32(params.motion) + np.float32(params.relative_motion) * np.hypot(flow[:, 0], flow[:, 1])
     du, dv = (own_flow[:, axis][near] - flow[:, None, axis] for axis in (0, 1))
     dissimilar = (du * du + dv * dv) / (scale * scale)[:, None]
     dissimilar += ((own_grey.ravel()[near] - grey[:, None]) / np.float32(params.grey)) ** 2
     by_distance = np.exp(np.float32(-0.5 / params.distance**2) * distance * distance)
     return by_distance * (np.exp(np.float32(-0.5) * dissimilar) + np.float32(_TINY))
+
+
+def _mean_of_cells(values: np.ndarray) -> np.ndarray:
+    """Return the mean of the cell of the grid that begins at each pixel, float32 (y, x) or (y, x, channel)."""
+    return cv2.blur(values.astype(np.float32), (STEP, STEP), anchor=(0, 0), borderType=cv2.BORDER_REPLICATE)
 
 
 def _elect(labels: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -35,6 +35,7 @@ from moseg.schemas.parameters.moves_now import MovesNowParams
 from moseg.schemas.parameters.moving_objects import MovingObjectParams
 from moseg.schemas.parameters.network_training import NetworkTrainingParams
 from moseg.schemas.parameters.object_hypotheses import ObjectHypothesisParams
+from moseg.schemas.parameters.object_points import ObjectPointParams
 from moseg.schemas.parameters.own_motion import OwnMotionParams
 from moseg.schemas.parameters.pips import PipsParams
 from moseg.schemas.parameters.plugins import PluginParams
@@ -125,6 +126,7 @@ __all__ = [
     "NetworkTrainingParams",
     "NoiseReductionParams",
     "ObjectHypothesisParams",
+    "ObjectPointParams",
     "OutlierParams",
     "OwnMotionParams",
     "PieceParams",

@@ -15,7 +15,8 @@ METHODS = ("depth-anything-3", "depth-anything-3-rays")
 ITEM = "depth-anything-3-base"
 NUM_FRAMES = 12
 OPTIONS = ("--proposals", "tracks", "--section-length", "6", "--quiet")
-AFTER_RIGIDITY = {"rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects", "proposals"}
+AFTER_RIGIDITY = {"rigidity", "moving_tracks", "track_surfaces", "track_groups", "track_objects"}
+AFTER_RIGIDITY |= {"object_points", "proposals"}
 
 
 def _ref(task, text):

@@ -16,7 +16,8 @@ from moseg.schemas.digests import digest_bytes
 from moseg.store import open_store
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
-FOUND = {"track_objects", "proposals", "linking", "tracks"}
+FOUND = {"track_objects", "object_points", "proposals", "linking", "tracks"}
+DRAWN = FOUND - {"track_objects", "object_points"}
 CANDIDATES = {"moving_tracks", "track_groups"}
 SURFACES = {"track_surfaces"}
 END = {"fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"}
@@ -94,7 +95,8 @@ def test_every_input_is_a_leaf_or_a_node():
 @pytest.mark.parametrize(
     ("changes", "moved"),
     [
-        ({"track_masks": {"radius": 20.0}}, FOUND - {"track_objects"} | END),
+        ({"track_masks": {"radius": 20.0}}, DRAWN | END),
+        ({"object_points": {"max_motions": 1}}, DRAWN | {"object_points"} | END),
         ({"track_objects": {"min_score": 300.0}}, FOUND | END),
         ({"track_objects": {"sensitivity": 2.0}}, FOUND | END),
         ({"track_groups": {"max_static": 100}}, {"track_groups"} | FOUND | END),
@@ -104,8 +106,8 @@ def test_every_input_is_a_leaf_or_a_node():
         ({"track_candidates": {"radius": 20.0}}, CANDIDATES | FOUND | END),
         ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | SURFACES | FOUND | END),
         ({"track_surfaces": {"agreement": 0.1}}, SURFACES | FOUND | END),
-        ({"track_surfaces": {"max_candidates": 4}}, FOUND - {"track_objects"} | END),
-        ({"track_surfaces": {"mask_radius": 20.0}}, FOUND - {"track_objects"} | END),
+        ({"track_surfaces": {"max_candidates": 4}}, DRAWN | END),
+        ({"track_surfaces": {"mask_radius": 20.0}}, DRAWN | END),
         ({"track_objects": {"min_surface": 0.5}}, FOUND | END),
         ({"rigid_support": {"use": "never"}}, LAST),
         ({"rigid_support": {"max_test": 0.9}}, set()),

@@ -80,6 +80,12 @@ class TrackProposals:
         inputs = {"dense_tracks": self.dense_tracks(index), "rigidity": self.rigidity(index)}
         return self._nodes.add("track_surfaces", inputs, shape=self._leaves.shape)
 
+    def object_points(self, index: int) -> str:
+        """Return the reference of more points of these objects, followed by the objects' own motion."""
+        first, last = self.window(index)
+        tracks = {"dense_tracks": self.dense_tracks(index), "track_objects": self.objects(index)}
+        return self._nodes.add("object_points", {"frames": self._nodes.frames[first:last], **tracks})
+
     def proposals(self, index: int) -> str:
         """Return the reference of the masks of these objects, from the section's start to the end of the window."""
         start, last = self._sections[index].start, self.window(index).last
@@ -87,6 +93,7 @@ class TrackProposals:
             "frames": self._nodes.frames[start:last],
             "dense_tracks": self.dense_tracks(index),
             "track_objects": self.objects(index),
+            "object_points": self.object_points(index),
             "track_surfaces": self.surfaces(index),
             "flow_next": tuple(self._cues.flow(frame, frame + 1) for frame in range(start, last - 1)),
             "flow_previous": self._cues.flow(last - 1, last - 2),

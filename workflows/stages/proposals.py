@@ -21,6 +21,7 @@ from moseg.workflows.stages.components import join_rows
 from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.instances import SAM3_DOCUMENTS
 from moseg.workflows.stages.moving_tracks import tracks_of
+from moseg.workflows.stages.object_points import moving_objects
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -56,16 +57,16 @@ def _run_tracks(params, inputs, rng):
     from moseg.tasks.proposals.track_masks import number_seen, track_masks
     from moseg.tasks.track_objects import static_candidates
 
-    (points, visible), found = tracks_of(inputs), inputs["track_objects"]
+    (points, visible), found, added = tracks_of(inputs), inputs["track_objects"], inputs["object_points"]
     objects, is_moving = found.array("object"), found.array("is_moving")
     moves = np.concatenate([[False], is_moving])
     frames = (frame.cached("image") for frame in inputs.all("frames"))
     masks = track_masks(
         frames,
         (fill_unknown(flow) for flow in _flows_to_next(inputs)),
-        points,
-        visible,
-        np.where(moves[objects], objects, 0).astype(np.uint16),
+        np.concatenate([points, added.array("points")]),
+        np.concatenate([visible, added.array("visible")]),
+        np.concatenate([moving_objects(inputs), added.array("object")]),
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
         RefinementParams.of_recipe(params["refinement"]),
@@ -225,7 +226,7 @@ def _method(config: PipelineConfig) -> str:
 
 
 SALIENCY = Task("proposals", "saliency", version=4, run=_run_saliency, params=_saliency_params)
-DENSE_TRACKS = Task("proposals", "tracks", version=3, run=_run_tracks, params=_track_params)
+DENSE_TRACKS = Task("proposals", "tracks", version=4, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)
 DEAOT = Task(
@@ -270,6 +271,7 @@ STAGE = Stage(
         "foreground": "probability to move, of every section with a frame of this one (saliency)",
         "dense_tracks": "tracks of the section's window (tracks)",
         "track_objects": "objects of these tracks (tracks)",
+        "object_points": "more points of these objects, and of the background beside them (tracks)",
         "track_surfaces": "surfaces of these tracks that stand above the ground (tracks)",
         "flow_next": "flow from each of the frames but the last to the next (tracks)",
         "flow_previous": "flow from the last frame to the one before it (tracks)",

@@ -1,0 +1,46 @@
+"""Patches of two frames around points: how well they correlate, and whether they are more than a straight edge."""
+
+import cv2
+import numpy as np
+
+_TINY = 1e-9
+_SOBEL = 3  # aperture of the derivatives of the structure tensor, px
+
+
+def correlate_patches(
+    image0: np.ndarray, points0: np.ndarray, image1: np.ndarray, points1: np.ndarray, side: int
+) -> np.ndarray:
+    """Return the normalised cross-correlation of patches around points of two images, float32 (N,), at most 1.
+
+    Parameters
+    ----------
+    image0, image1 : uint8 (y, x)
+    points0, points1 : float32 (N, 2)
+        xy, px; linear between pixels.
+    side : px.
+    """
+    patches0, patches1 = (_centred(image, points, side) for image, points in ((image0, points0), (image1, points1)))
+    energy = np.square(patches0).sum(axis=1) * np.square(patches1).sum(axis=1)
+    return (patches0 * patches1).sum(axis=1) / np.sqrt(energy + np.float32(_TINY))
+
+
+def roundness(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
+    """Return the ratio of the eigenvalues of the structure tensor around points, float32 (N,): 0 on a straight edge."""
+    if not len(points):
+        return np.zeros(0, np.float32)
+    x, y = np.clip(np.rint(points).astype(int), 0, np.array(image.shape[::-1]) - 1).T
+    top, left = max(y.min() - side, 0), max(x.min() - side, 0)
+    part = np.ascontiguousarray(image[top : y.max() + side + 1, left : x.max() + side + 1])
+    of_points = cv2.cornerEigenValsAndVecs(part, side, _SOBEL)[y - top, x - left, :2]
+    return of_points.min(axis=1) / np.maximum(of_points.max(axis=1), np.float32(_TINY))
+
+
+def _centred(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
+    """Return the patches around points less the mean of each, float32 (N, side * side)."""
+    if not len(points):
+        return np.zeros((0, side * side), np.float32)
+    steps = np.arange(side, dtype=np.float32) - np.float32((side - 1) / 2)
+    across, down = np.meshgrid(steps, steps)
+    x, y = (points[:, axis, None] + step.ravel() for axis, step in enumerate((across, down)))
+    patches = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+    return patches - patches.mean(axis=1, keepdims=True)

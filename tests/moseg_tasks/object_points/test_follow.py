@@ -1,0 +1,159 @@
+"""Points of moving objects that are followed by the motion of the whole object."""
+
+import cv2
+import numpy as np
+import pytest
+
+from moseg.schemas.parameters import ObjectPointParams
+from moseg.tasks.object_points import follow_objects
+
+NUM_FRAMES, HEIGHT, WIDTH = 7, 160, 240
+SIDE = 30
+GROWTH = 1.25
+"""Of the square, from one frame to the next."""
+PARAMS = ObjectPointParams()
+RNG = np.random.default_rng(5)
+SCENE, SKIN = (
+    cv2.normalize(cv2.GaussianBlur(RNG.normal(size=shape), (0, 0), blur), None, 0, 255, cv2.NORM_MINMAX)
+    for shape, blur in (((HEIGHT, WIDTH), 1.5), ((160, 160), 6.0))
+)
+TRACKED = np.float32([[x, y] for x in (4, 11, 19, 26) for y in (5, 12, 20, 25)])
+"""Points of the square's skin at its first size, px."""
+STILL = np.float32([[x, y] for x in range(10, 236, 15) for y in range(10, 156, 15)])
+
+
+def _corner(frame):
+    return np.array([20.0 + 6 * frame, 20.0 + 4 * frame])
+
+
+def _place(points, frame):
+    return (_corner(frame) + points * GROWTH**frame).astype(np.float32)
+
+
+def _frame(frame, *, hidden=False):
+    scale = SIDE * GROWTH**frame / 160
+    to_frame = np.hstack([scale * np.eye(2), _corner(frame)[:, None]])
+    skin, is_skin = (
+        cv2.warpAffine(layer, to_frame, (WIDTH, HEIGHT), flags=cv2.INTER_LINEAR) for layer in (SKIN, np.ones_like(SKIN))
+    )
+    image = np.where((is_skin > 0.5) & (not hidden), skin, SCENE)
+    return np.repeat(image.astype(np.uint8)[..., None], 3, axis=2)
+
+
+FRAMES = [_frame(frame) for frame in range(NUM_FRAMES)]
+
+
+def _tracks(seen, *, label=1):
+    """Return points, visible and objects: points of the square in the frames `seen`, and those of the scene."""
+    places = np.stack([_place(TRACKED, frame) for frame in range(NUM_FRAMES)], axis=1)
+    scene = np.repeat(STILL[:, None], NUM_FRAMES, axis=1)
+    visible = np.zeros((len(TRACKED) + len(STILL), NUM_FRAMES), bool)
+    visible[: len(TRACKED), list(seen)] = True
+    for frame in range(NUM_FRAMES):
+        inside = (_corner(frame) <= STILL) & (_corner(frame) + SIDE * GROWTH**frame >= STILL)
+        visible[len(TRACKED) :, frame] = ~inside.all(axis=1)
+    objects = np.r_[np.full(len(TRACKED), label), np.zeros(len(STILL), int)].astype(np.uint16)
+    return np.concatenate([places, scene]), visible, objects
+
+
+def _errors(found, frame):
+    """Return how far the object's points lie outside of the square in a frame, px."""
+    places = found.points[found.visible[:, frame] & (found.object > 0), frame]
+    side = SIDE * GROWTH**frame
+    beyond = np.maximum(_corner(frame) - places, places - _corner(frame) - side)
+    return beyond.max(axis=1)
+
+
+@pytest.fixture(scope="module")
+def followed():
+    return follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS)
+
+
+def test_points_whose_tracks_end_are_followed_to_the_last_frame(followed):
+    for frame in range(2, NUM_FRAMES):
+        assert len(_errors(followed, frame)) >= len(TRACKED)
+        assert np.median(_errors(followed, frame)) < 0
+        assert (_errors(followed, frame) < PARAMS.patch).all()
+
+
+def test_points_are_followed_backward_too():
+    found = follow_objects(FRAMES.__getitem__, *_tracks(range(5, NUM_FRAMES)), PARAMS)
+    for frame in range(2, 5):
+        assert len(_errors(found, frame)) >= len(TRACKED)
+        assert np.median(_errors(found, frame)) < 0
+
+
+def test_a_lost_track_goes_on_where_the_object_brings_it():
+    # Without new corners only the tracks themselves are followed.
+    found = follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS.model_copy(update={"reach": 0.0}))
+    assert 0 < len(found.object) <= len(TRACKED)
+    for frame in range(2, NUM_FRAMES):
+        places = found.points[found.visible[:, frame], frame]
+        nearest = np.linalg.norm(places[:, None] - _place(TRACKED, frame), axis=2).min(axis=1)
+        assert len(places) > len(TRACKED) / 2
+        assert np.median(nearest) < 1.5
+
+
+def test_corners_join_the_object_or_the_background_by_their_motion(followed):
+    still = np.flatnonzero(followed.object == 0)
+    assert len(still)
+    for point in still:
+        first, last = followed.points[point, followed.visible[point]]
+        np.testing.assert_allclose(first, last, atol=1)
+    assert set(followed.object) == {0, 1}
+
+
+def test_each_point_has_one_run_of_frames_and_no_place_elsewhere(followed):
+    steps = np.diff(followed.visible.astype(int), axis=1, prepend=0, append=0)
+    np.testing.assert_array_equal((steps == 1).sum(axis=1), 1)
+    assert not followed.points[~followed.visible].any()
+
+
+def test_points_end_where_something_hides_the_object():
+    frames = [*FRAMES[:4], *(_frame(frame, hidden=True) for frame in range(4, NUM_FRAMES))]
+    found = follow_objects(frames.__getitem__, *_tracks(range(2)), PARAMS)
+    assert found.visible[found.object > 0][:, 3].sum() > len(TRACKED) / 2
+    assert found.visible[found.object > 0][:, 5:].sum() <= 2
+
+
+def test_new_corners_of_few_frames_do_not_count():
+    found = follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS.model_copy(update={"min_frames": 6}))
+    long, kept = (
+        followed_lengths(follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS)),
+        followed_lengths(found),
+    )
+    assert (long < 6).sum() > (kept < 6).sum()
+    assert len(kept) < len(long)
+
+
+def followed_lengths(found):
+    return found.visible[found.object > 0].sum(axis=1)
+
+
+@pytest.mark.parametrize("why", ["no object", "no motions", "no tracks", "one frame"])
+def test_nothing_is_followed_without_what_it_needs(why):
+    points, visible, objects = _tracks(range(2))
+    params = PARAMS
+    if why == "no object":
+        objects = objects * 0
+    elif why == "no motions":
+        params = PARAMS.model_copy(update={"max_motions": 0})
+    elif why == "no tracks":
+        points, visible, objects = points[:0], visible[:0], objects[:0]
+    else:
+        points, visible = points[:, :1], visible[:, :1]
+    found = follow_objects(FRAMES.__getitem__, points, visible, objects, params)
+    assert found.points.shape == (0, points.shape[1], 2)
+    assert found.visible.shape == (0, points.shape[1])
+    assert found.object.dtype == np.uint16
+
+
+def test_points_keep_the_label_of_their_object():
+    found = follow_objects(FRAMES.__getitem__, *_tracks(range(2), label=4), PARAMS)
+    assert set(found.object) == {0, 4}
+
+
+def test_the_same_points_are_found_each_time(followed):
+    again = follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS)
+    for one, other in zip(followed, again, strict=True):
+        np.testing.assert_array_equal(one, other)

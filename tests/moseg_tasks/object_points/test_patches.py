@@ -1,0 +1,44 @@
+"""Correlation of patches, and their roundness."""
+
+import numpy as np
+import pytest
+
+from moseg.tasks.object_points.patches import correlate_patches, roundness
+
+NOISE = np.random.default_rng(1).integers(0, 255, (60, 80)).astype(np.uint8)
+POINTS = np.float32([[20, 20], [40.5, 30.25], [1, 58]])
+
+
+def test_a_patch_correlates_with_itself_whatever_its_brightness_and_contrast():
+    darker = (NOISE // 2 + 30).astype(np.uint8)
+    np.testing.assert_allclose(correlate_patches(NOISE, POINTS, darker, POINTS, 9), 1, atol=0.01)
+
+
+def test_patches_of_other_places_do_not_correlate():
+    assert np.abs(correlate_patches(NOISE, POINTS[:2], NOISE, POINTS[:2] + np.float32([9, 4]), 15)).max() < 0.3
+
+
+def test_plain_patches_have_a_correlation_of_zero():
+    plain = np.full((60, 80), 90, np.uint8)
+    np.testing.assert_array_equal(correlate_patches(plain, POINTS, NOISE, POINTS, 9), 0)
+
+
+@pytest.mark.parametrize("function", ["correlation", "roundness"])
+def test_no_points_have_no_patches(function):
+    none = np.zeros((0, 2), np.float32)
+    found = correlate_patches(NOISE, none, NOISE, none, 9) if function == "correlation" else roundness(NOISE, none, 9)
+    assert found.shape == (0,)
+
+
+def test_a_straight_edge_is_not_round_and_a_corner_is():
+    image = np.zeros((60, 80), np.uint8)
+    image[:30, :40] = 200
+    edge, corner = roundness(image, np.float32([[40, 10], [40, 30]]), 15)
+    assert edge < 0.01
+    assert corner > 0.3
+
+
+def test_roundness_does_not_depend_on_the_other_points():
+    image = np.kron(NOISE[:15, :20], np.ones((4, 4), np.uint8))
+    together = roundness(image, POINTS, 9)
+    np.testing.assert_allclose(together, [roundness(image, point[None], 9)[0] for point in POINTS], rtol=1e-5)
