@@ -59,6 +59,7 @@ ROAD_PARTS = {
     "no-field": "--set track_field.coupling=0",
     "no-groups": "--set track_groups.min_moving=1000000",
     "no-static-parts": "--set track_objects.min_static_test=3",
+    "no-following": "--set object_points.max_motions=0",
     "no-outlines": "--set track_masks.softness=0",
     "no-completion": "--set track_objects.min_surface=2",
     "no-scattering": "--set track_objects.min_scattered_score=0",

@@ -79,6 +79,7 @@ def _road_parts() -> Rows:
         "no-field": "no agreement with neighbours",
         "no-groups": "candidates not regrouped by motion",
         "no-static-parts": "parts that seem to move as the background does never kept",
+        "no-following": "objects not followed where their tracks end",
         "no-outlines": "outlines not drawn along edges of the frame",
         "no-completion": "objects without the rest of their surfaces, all of them scattered",
         "no-scattering": "scattered objects asked for no more evidence",

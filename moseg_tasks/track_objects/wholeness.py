@@ -47,9 +47,13 @@ def complete_objects(group: np.ndarray, surface: np.ndarray, params: TrackObject
     """
     group, surface = np.asarray(group, np.int64), np.asarray(surface, np.int64)
     num_groups = int(group.max(initial=-1)) + 1
-    owner = _owners(group, surface, num_groups, params.min_surface)[surface]
-    whole = np.where(group < 0, owner, group)
-    is_on_surface = (whole >= 0) & (whole == owner)
+    of_surface, of_group = _good_parts(group, surface, num_groups, params.min_surface)
+    # The largest part of a surface is written last; of equal ones, that of the lowest group.
+    owner = np.full(surface.max(initial=0) + 1, -1)
+    owner[of_surface] = of_group
+    whole = np.where(group < 0, owner[surface], group)
+    good = of_surface * num_groups + of_group
+    is_on_surface = (surface > 0) & (whole >= 0) & np.isin(surface * num_groups + whole, good)
     return WholeObjects(whole, is_on_surface, share_of_groups(is_on_surface, whole, num_groups))
 
 
@@ -59,15 +63,14 @@ def share_of_groups(holds: np.ndarray, group: np.ndarray, num_groups: int) -> np
     return np.bincount(group[holds & (group >= 0)], minlength=num_groups) / np.maximum(num_tracks, 1)
 
 
-def _owners(group: np.ndarray, surface: np.ndarray, num_groups: int, min_share: float) -> np.ndarray:
-    """Return the group that takes the rest of each surface, int64 (surface + 1,); -1 = none, as for surface 0."""
+def _good_parts(
+    group: np.ndarray, surface: np.ndarray, num_groups: int, min_share: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return surface and group of the parts, of at least `min_share` of a surface, in rising order of size: int64."""
     size = np.bincount(surface, minlength=1)
     is_shared = (surface > 0) & (group >= 0)
     shared, count = np.unique(surface[is_shared] * num_groups + group[is_shared], return_counts=True)
     of_surface, of_group = np.divmod(shared, max(num_groups, 1))
-    # The largest part of a surface is written last; of equal ones, that of the lowest group.
     rising = np.lexsort((-of_group, count))
     rising = rising[count[rising] >= min_share * size[of_surface[rising]]]
-    owner = np.full(len(size), -1)
-    owner[of_surface[rising]] = of_group[rising]
-    return owner
+    return of_surface[rising], of_group[rising]
