@@ -155,9 +155,19 @@ class RigidityParams(Frozen):
     test_blur: Annotated[float, Unit.PIXELS] = Field(
         0.7, gt=0, description="sigma of the Gaussian over the frames before the comparison, px"
     )
-    test_half: Annotated[int, Unit.PIXELS] = Field(4, ge=1, description="half the side of a patch, px")
+    test_half: Annotated[int, Unit.PIXELS] = Field(
+        # A patch is a row of a map, which OpenCV samples at 32,766 columns at most.
+        4,
+        ge=1,
+        le=90,
+        description="half the side of a patch, px",
+    )
     test_span: Annotated[int, Unit.PIXELS] = Field(
-        8, ge=1, description="distance of the rigid positions from the tracked one along the epipolar line, px"
+        # The positions of 64 tracks are the rows of that map, of which there are as many at most.
+        8,
+        ge=1,
+        le=255,
+        description="distance of the rigid positions from the tracked one along the epipolar line, px",
     )
     test_across: Annotated[float, Unit.PIXELS] = Field(
         0.35, ge=0, description="their distance from the epipolar line, px"

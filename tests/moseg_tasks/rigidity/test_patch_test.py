@@ -1,6 +1,7 @@
 import cv2
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.rigidity.parallax import Parallax
@@ -27,7 +28,7 @@ def image():
 def compare(image):
     """Function that tests tracks of a frame that moves by `shift`, tracked by `tracked`, px; lines run along x."""
 
-    def call(shift, tracked, least=0.0, largest=1e4, images=None, points0=GRID):
+    def call(shift, tracked, least=0.0, largest=1e4, images=None, points0=GRID, params=PARAMS):
         points1 = points0 + tracked
         count = len(points0)
         towards = np.tile([1.0, 0.0], (count, 1))
@@ -38,7 +39,7 @@ def compare(image):
         if images is None:
             shifted = np.array([[1.0, 0, shift[0]], [0, 1.0, shift[1]]])
             images = image, cv2.warpAffine(image, shifted, (SIDE, SIDE))
-        return compare_patches(*images, points0, points1, parallax, allowed, np.arange(count), PARAMS)
+        return compare_patches(*images, points0, points1, parallax, allowed, np.arange(count), params)
 
     return call
 
@@ -104,6 +105,14 @@ def test_a_change_of_brightness_changes_nothing(compare, image):
     darker = np.roll(image, 3, axis=1) // 2
     found = [compare((3, 0), (3.0, 1.0), images=(image // 2, second)) for second in (brighter, darker)]
     np.testing.assert_allclose(*found, atol=1e-3)
+
+
+@pytest.mark.parametrize(("name", "largest"), [("test_span", 255), ("test_half", 90)])
+def test_the_largest_patch_and_the_longest_search_can_be_compared(compare, name, largest):
+    params = RigidityParams(**{"test_span": 1, "test_half": 1, name: largest})
+    assert np.isfinite(compare((3, 0), (3.0, 0.0), params=params)).all()
+    with pytest.raises(ValidationError, match=f"less than or equal to {largest}"):
+        RigidityParams(**{name: largest + 1})
 
 
 def test_no_tracks_are_no_test(image):
