@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field, PositiveFloat, PositiveInt, field_validator
+from pydantic import Field, PositiveFloat, PositiveInt, field_validator, model_validator
 
 from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters.comma_separated import check_gaps, split_commas
@@ -234,3 +234,10 @@ class RigidityParams(Frozen):
     _split_gaps = field_validator("gaps", mode="before")(split_commas)
     _split_focals = field_validator("focals", "camera_focals", mode="before")(split_commas)
     _check_gaps = field_validator("gaps")(check_gaps)
+
+    @model_validator(mode="after")
+    def _check_neighbours(self) -> "RigidityParams":
+        """Refuse more neighbours than there are tracks to choose them from."""
+        if self.neighbours > self.neighbour_candidates:
+            raise ValueError("neighbours of at most neighbour_candidates")
+        return self

@@ -1,4 +1,6 @@
 import numpy as np
+import pytest
+from pydantic import ValidationError
 
 from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.rigidity.neighbours import Neighbours, find_similar
@@ -28,6 +30,13 @@ def test_fewer_tracks_than_neighbours_are_all_neighbours():
     points0, points1 = scattered(3)
     np.testing.assert_array_equal(np.sort(find_similar(points0, points1, PARAMS).index, axis=1), [[0, 1, 2]] * 3)
     assert find_similar(*scattered(1), PARAMS).index.tolist() == [[0]]
+
+
+def test_as_many_neighbours_as_candidates_are_all_of_these_and_more_are_refused():
+    similar = find_similar(*scattered(), RigidityParams(neighbours=30))
+    assert similar.index.shape == (60, 30)
+    with pytest.raises(ValidationError, match="neighbours of at most neighbour_candidates"):
+        RigidityParams(neighbours=31)
 
 
 def test_half_the_weight_lies_on_either_side_of_the_median():
