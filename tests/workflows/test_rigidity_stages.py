@@ -36,10 +36,10 @@ def put(store):
 def compute(store):
     """Function that runs a stage as the graph would, stores its output and returns its reference."""
 
-    def call(name, inputs, depth="none"):
-        stage, config = find_stage(name), PipelineConfig(depth={"method": depth})
+    def call(name, inputs, depth="none", step=1, **values):
+        stage, config = find_stage(name), PipelineConfig.model_validate({"depth": {"method": depth}, **values})
         task = stage.task(stage.chosen(config))
-        params = task.params(config)
+        params = task.params(config, step=step)
         assert set(inputs) <= set(stage.inputs)
         recipe = Recipe(task=name, version=task.version, params={"method": task.method, **params}, inputs=inputs)
         (output,) = task.compute(params, [Inputs(store, recipe)], [np.random.default_rng(0)])
@@ -112,6 +112,26 @@ def test_depth_of_the_window_is_read_where_it_is_given(put, compute, store):
         shares.append(np.mean(error[:2, inside] > 1))
     assert shares[0] < 0.1
     assert shares[1] > 0.5
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"rigidity": {"gaps": (1,)}},
+        {"rigidity": {"gaps": (2,)}},
+        {"rigidity": {"gaps": (1,), "focal_gap": 1}},
+        {"rigidity": {"gaps": (2,)}, "dense_tracks": {"min_frames": 5}},
+    ],
+)
+def test_tracks_of_apart_pairs_are_long_enough_to_be_kept_and_to_choose_the_focal_length(put, compute, store, values):
+    num_frames, step = 11, 5
+    images, forward, backward = approached(num_frames)
+    inputs = {"frames": tuple(put("frame", {"image": image}, t) for t, image in enumerate(images))}
+    for number, (role, flow) in enumerate({"flow_forward": forward, "flow_backward": backward}.items()):
+        inputs[role] = (put("flow", {"flow": flow}, number),) * (num_frames - 1)
+    visible = store.read(compute("dense_tracks", inputs, step=step, **values), "visible")
+    gap = PipelineConfig.model_validate(values).rigidity.focal_gap
+    assert np.count_nonzero(visible[:, [0, step]] & visible[:, [gap, step + gap]], axis=0).min() > 20
 
 
 def test_without_depth_its_parameters_are_not_in_the_recipe():

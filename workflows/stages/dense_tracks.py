@@ -53,7 +53,8 @@ def _params(
         params["bars"] = bars._asdict()
     if graphics is not None:
         params["graphics"] = graphics.as_json()
-    reach = max(config.rigidity.gaps)
+    # A run is no shorter than the pairs that choose the focal length, nor than the shortest track that is kept.
+    reach = max(*config.rigidity.gaps, config.rigidity.focal_gap, config.dense_tracks.min_frames - 1)
     # Of pairs that are farther apart than they reach, the frames between are not tracked.
     return params if step <= reach else {**params, "runs": {"step": step, "reach": reach}}
 
