@@ -1,6 +1,6 @@
 """Parameters of objects from tracks: from the evidence of frame pairs to objects that are kept or dropped."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
@@ -89,7 +89,17 @@ class CandidateParams(Frozen):
     )
 
 
-_TWO_FRAMES = TrajectoryClusteringParams(
+class TrackClusteringParams(TrajectoryClusteringParams):
+    """Clustering of a sample of dense tracks, whose number of motions is found from one draw of hypotheses."""
+
+    auto: Literal["energy", "description_length", "geometric", "confidences", "eigengap"] = Field(
+        "energy",
+        description="method for the number of motions: minimal energy, the methods of clustering.auto on the best"
+        " groupings but stability, which compares several draws, or the largest gap of the mean kernel's spectrum",
+    )
+
+
+_TWO_FRAMES = TrackClusteringParams(
     energy=EnergyParams(
         gaps=(3,),
         least_unit=0.15,
@@ -143,7 +153,7 @@ class TrackGroupParams(Frozen):
         100, ge=1, description="minimal samples of each model in each pair of frames"
     )
     kernel: KernelParams = KernelParams()
-    clustering: TrajectoryClusteringParams = _TWO_FRAMES
+    clustering: TrackClusteringParams = _TWO_FRAMES
 
     _split_models = field_validator("models", mode="before")(split_commas)
     _check_models = field_validator("models")(check_models)

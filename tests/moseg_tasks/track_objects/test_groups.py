@@ -1,7 +1,7 @@
 """Motion groups of a sample of tracks, in exact drives past two cars."""
 
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 import pytest
@@ -59,6 +59,13 @@ def test_two_cars_and_the_background_are_three_groups():
     main = [np.bincount(groups.motion[truth == label]).argmax() for label in range(3)]
     assert len({*main}) == 3
     assert np.mean(groups.motion == np.array(main)[truth]) > 0.95
+
+
+@pytest.mark.parametrize("auto", get_args(type(PARAMS.clustering).model_fields["auto"].annotation))
+def test_every_method_for_the_number_of_motions_counts_them_in_one_draw(auto):
+    scene = drive()
+    counted = PARAMS.clustering.model_copy(update={"auto": auto, "separate": False})
+    assert 1 <= len({*_group(scene, scene.truth > 0, clustering=counted).motion}) <= counted.most_motions
 
 
 def test_one_candidate_of_two_cars_and_some_background_becomes_two_objects():

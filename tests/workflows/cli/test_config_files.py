@@ -151,6 +151,7 @@ BAD = {
     "clustering: {count: {affinity: {gap: -1}}}": ("clustering.count.affinity.gap", "'-1'"),
     "clustering: {count: {affinity: {models: [oc, oc]}}}": ("clustering.count.affinity.models", "different models"),
     "track_groups: {models: [affine, affine]}": ("track_groups.models", "different models"),
+    "track_groups: {clustering: {auto: stability}}": ("track_groups.clustering.auto", "'stability'", "'energy'"),
     "rigidity: {neighbours: 31}": ("rigidity", "neighbours of at most neighbour_candidates"),
     "max_side: 300\nmax_side: 400": ("'max_side' twice", "line 2"),
     "flow: [\n": ("line 2",),
