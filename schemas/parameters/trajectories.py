@@ -52,7 +52,7 @@ class KernelParams(Frozen):
         3000,
         ge=1,
         description="number of trajectories above which this many landmarks are clustered, and the others are assigned"
-        " to their groups",
+        " to their groups; no effect on samples of dense tracks",
     )
 
 
@@ -244,7 +244,7 @@ class SeparationParams(Frozen):
 
 
 class OutlierParams(Frozen):
-    """Trajectories that follow no motion: they are not clustered, but join the most similar group afterwards."""
+    """Trajectories that follow no motion, which join a group after the clustering; no effect on dense tracks."""
 
     num_neighbours: Annotated[int, Unit.COUNT] = Field(
         5, ge=1, description="number of trajectories of largest affinity whose mean affinity is compared"
@@ -318,7 +318,7 @@ class TrajectoryClusteringParams(Frozen):
         ge=0,
         description="if the number is given, draws of hypotheses differ and the best grouping needs fewer bits than a"
         " single motion: numbers beyond it that are searched too, so that two of their groups can be merged; 0 searches"
-        " none",
+        " none; no effect on samples of dense tracks, whose number is found",
     )
     count_margin: Annotated[float, Unit.RATIO] = Field(
         0.15,

@@ -23,6 +23,8 @@ SURFACES = {"track_surfaces"}
 END = {"fundamental", "fundamental_residual", "flow_model", "flow_residual", "affinity"}
 LAST = {"clustering", "segmentation", "score"}
 END |= {"rigid_support", *LAST}
+GROUPING = PipelineConfig().track_groups.clustering
+ALL_KEPT = GROUPING.outliers.model_copy(update={"min_affinity": 0.0})
 
 
 def _refs(task, count):
@@ -102,6 +104,10 @@ def test_every_input_is_a_leaf_or_a_node():
         ({"track_groups": {"max_static": 100}}, {"track_groups"} | FOUND | END),
         ({"track_groups": {"seed": 1}}, {"track_groups"} | FOUND | END),
         ({"track_groups": {"num_samples": 1}}, {"track_groups"} | FOUND | END),
+        ({"track_groups": {"kernel": {"window": 0.2}}}, {"track_groups"} | FOUND | END),
+        ({"track_groups": {"kernel": {"max_tracks": 100}}}, set()),
+        ({"track_groups": {"clustering": GROUPING.model_copy(update={"num_more": 0})}}, set()),
+        ({"track_groups": {"clustering": GROUPING.model_copy(update={"outliers": ALL_KEPT})}}, set()),
         ({"track_field": {"coupling": 1.0}}, CANDIDATES | FOUND | END),
         ({"track_candidates": {"radius": 20.0}}, CANDIDATES | FOUND | END),
         ({"rigidity": {"noise": 0.4}}, {"rigidity"} | CANDIDATES | SURFACES | FOUND | END),

@@ -36,8 +36,10 @@ def samples_of(inputs: Inputs) -> list:
 
 def _params(config: PipelineConfig) -> dict:
     params = config.track_groups
-    read = params.model_dump(mode="json")
+    # All sampled tracks are clustered, without landmarks and outliers.
+    read = params.model_dump(mode="json", exclude={"kernel": {"max_tracks"}})
     read["clustering"] = read_params(params.clustering, params.clustering.method, is_auto=True)
+    read["clustering"].pop("outliers", None)
     return read
 
 
