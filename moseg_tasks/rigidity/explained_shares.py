@@ -11,6 +11,9 @@ from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import split_displacements
 from moseg.tasks.rigidity.relative_pose import one_per_cell
 
+_MINIMAL_CELLS = 4
+"""Tracks that determine a homography."""
+
 
 class ExplainedShares(NamedTuple):
     """Shares of the tracks of a frame pair, 0..1.
@@ -63,21 +66,26 @@ def explained_shares(
 def share_of_plane(points0: np.ndarray, points1: np.ndarray, slack: float, params: RigidityParams) -> float:
     """Return the share of the tracks (N, 2) that the homography of most of them explains.
 
-    `slack` is the error allowed, in those allowed under a rigid scene; see `explained_shares` for the rest.
+    It is 1 where the tracks lie in too few cells for one homography: many fit then. `slack` is the error allowed, in
+    those allowed under a rigid scene; see `explained_shares` for the rest.
     """
+    chosen = one_per_cell(points0, params.pose_cell)
+    if len(chosen) < _MINIMAL_CELLS:
+        return 1.0
     noise = displacement_noise(points0, points1, params.noise, params.noise_share)
-    return float((_homography_error(points0, points1, params) < slack * noise).mean())
+    return float((_homography_error(points0, points1, chosen, params) < slack * noise).mean())
 
 
-def _homography_error(points0: np.ndarray, points1: np.ndarray, params: RigidityParams) -> np.ndarray:
-    """Return the transfer error under the homography of most tracks, one per cell: float64 (N,), px."""
+def _homography_error(
+    points0: np.ndarray, points1: np.ndarray, chosen: np.ndarray, params: RigidityParams
+) -> np.ndarray:
+    """Return the transfer error under the homography of most of the chosen tracks: float64 (N,), px."""
     options = {
         "max_reproj_error": params.pose_threshold,
         "min_iterations": params.pose_iterations // 2,
         "max_iterations": params.pose_iterations,
         "seed": params.seed,
     }
-    chosen = one_per_cell(points0, params.pose_cell)
     H, _ = poselib.estimate_homography(points0[chosen], points1[chosen], options, {})
     moved = np.column_stack([points0, np.ones(len(points0))]) @ np.asarray(H).T
     # A homography may send a point to infinity: it does not explain it.
