@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from moseg.schemas.configs import PipelineConfig, Variant
 from moseg.schemas.digests import digest_bytes
 from moseg.store import open_store
+from moseg.tasks.object_points import ObjectPoints
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
 
 FOUND = {"track_objects", "object_points", "proposals", "linking", "tracks"}
@@ -154,6 +155,28 @@ def evaluated_tracks(squares, tmp_path_factory):
     report = folder / "report.html"
     assert run([*arguments, "--store", str(folder / "store"), "--report", str(report)]) == 0
     return open_store(str(folder / "store"), create=False), report.read_text(encoding="utf-8")
+
+
+def test_points_of_objects_vote_for_masks(squares, tmp_path, monkeypatch):
+    from moseg.workflows.cli.app import run
+
+    place = 4
+
+    def follow_objects(read_frame, points, visible, objects, params):
+        assert read_frame(visible.shape[1] - 1).dtype == np.uint8
+        followed = np.full((1, visible.shape[1], 2), place, np.float32)
+        return ObjectPoints(followed, np.ones(followed.shape[:2], bool), objects.max(initial=0, keepdims=True))
+
+    monkeypatch.setattr("moseg.tasks.object_points.follow_objects", follow_objects)
+    arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")
+    arguments += ("--proposals", "tracks", "--set", "track_objects.min_score=20", "--set", "track_objects.min_test=0")
+    assert run([*arguments, "--workers", "0", "--store", str(tmp_path / "store")]) == 0
+    store = open_store(str(tmp_path / "store"), create=False)
+    found = [store.read(ref, "masks") for ref in store.refs("proposals")]
+    moving = [store.attributes(ref)["is_moving"] for ref in store.refs("proposals")]
+    assert any(any(each) for each in moving)
+    for masks, is_moving in zip(found, moving, strict=True):
+        assert (masks[:, place, place] > 0).all() == any(is_moving)
 
 
 def test_proposals_are_objects_and_surfaces_that_have_pixels(evaluated_tracks):

@@ -116,6 +116,42 @@ def test_points_end_where_something_hides_the_object():
     assert found.visible[found.object > 0][:, 5:].sum() <= 2
 
 
+def test_points_that_something_hides_end():
+    # A strip of the scene stands before the object in the last two frames.
+    hidden = [frame.copy() for frame in FRAMES[:5]]
+    for frame in (3, 4):
+        hidden[frame][:, 62:76] = _frame(frame, hidden=True)[:, 62:76]
+    points, visible, objects = _tracks(range(2))
+    found = follow_objects(hidden.__getitem__, points[:, :5], visible[:, :5], objects, PARAMS)
+    places = found.points[found.visible[:, 4] & (found.object > 0), 4]
+    assert len(places) > 8
+    assert (abs(places[:, 0] - 69) < 5).mean() < 0.1
+
+
+def test_a_track_of_the_scene_that_counted_as_the_objects_is_not_followed():
+    points, visible, objects = _tracks(range(2))
+    stray = len(TRACKED) + np.flatnonzero((STILL == [190, 115]).all(axis=1))
+    objects[stray], visible[stray, 2:] = 1, False
+    found = follow_objects(FRAMES.__getitem__, points, visible, objects, PARAMS)
+    near = np.linalg.norm(found.points - [190, 115], axis=2) < 20
+    assert not (near & found.visible)[found.object > 0][:, 2:4].any()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"gain": 1.9}, {"min_corner_correlation": 0.9999}, {"min_roundness": 0.9}],
+    ids=lambda each: next(iter(each)),
+)
+def test_a_stricter_test_of_corners_leaves_fewer(followed, changes):
+    found = follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS.model_copy(update=changes))
+    assert (found.object > 0).sum() < 0.7 * (followed.object > 0).sum()
+
+
+def test_points_end_where_patches_correlate_less_than_is_asked():
+    asked = PARAMS.model_copy(update={"min_correlation": 0.9999, "reach": 0.0})
+    assert not len(follow_objects(FRAMES.__getitem__, *_tracks(range(2)), asked).object)
+
+
 def test_new_corners_of_few_frames_do_not_count():
     found = follow_objects(FRAMES.__getitem__, *_tracks(range(2)), PARAMS.model_copy(update={"min_frames": 6}))
     long, kept = (
