@@ -57,11 +57,23 @@ def measure_pairs(
     rigidity : RigidityParams
         Of the camera's motion, its focal length and the noise of displacements.
     """
-    moving = [pair for pair in pairs if len(pair[0]) >= params.min_tracks and _camera_moves(*pair, shape, params)]
+    moving = [pair for pair in pairs if _has_enough(pair, params) and _camera_moves(*pair, shape, params)]
     # Every other pair determines it as well, in half the time.
     focal = focal_of_pairs(moving[::2], shape, rigidity)
     measured = (_measure(*pair, focal, shape, params, rigidity) for pair in moving)
     return [evidence for evidence in measured if evidence is not None]
+
+
+def count_still(
+    pairs: Sequence[tuple[np.ndarray, np.ndarray]], shape: tuple[int, int], params: SceneParallaxParams
+) -> int:
+    """Return the number of pairs with enough tracks over which the camera stands still, as `measure_pairs` sees it."""
+    return sum(_has_enough(pair, params) and not _camera_moves(*pair, shape, params) for pair in pairs)
+
+
+def _has_enough(pair: tuple[np.ndarray, np.ndarray], params: SceneParallaxParams) -> bool:
+    """Return whether a pair has enough tracks to tell whether the camera moves."""
+    return len(pair[0]) >= params.min_tracks
 
 
 def _measure(points0, points1, focal, shape, params, rigidity) -> PairEvidence | None:

@@ -9,6 +9,7 @@ from moseg.schemas.parameters import SceneParallaxParams
 from moseg.tasks.scene_parallax.pair_evidence import PairEvidence
 
 SALIENCY, TRACKS = "saliency", "tracks"
+_UNSEEN = "too few corners to see the camera's motion"
 
 
 class SourceChoice(NamedTuple):
@@ -40,7 +41,9 @@ class SourceChoice(NamedTuple):
     shows_depth: bool = False
 
 
-def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: SceneParallaxParams) -> SourceChoice:
+def choose_source(
+    evidence: Sequence[PairEvidence], num_pairs: int, num_still: int, params: SceneParallaxParams
+) -> SourceChoice:
     """Choose tracks for a camera that drives through a scene with depth, and saliency for any other.
 
     A driving camera sees the point that it moves to, which keeps its place in the frame, and a rigid scene explains
@@ -54,10 +57,15 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
         Pairs over which the camera moves.
     num_pairs : int
         All pairs of the stretch.
+    num_still : int
+        Pairs over which the camera stands still; the others without evidence have too few corners, or too few that a
+        rigid motion explains.
     params : SceneParallaxParams
     """
+    # The camera may move over enough pairs for tracks.
+    is_unseen = 1 - num_still / num_pairs >= params.min_moving
     if not evidence:
-        return SourceChoice(SALIENCY, "the camera stands still")
+        return SourceChoice(SALIENCY, _UNSEEN if is_unseen else "the camera stands still")
     moving = len(evidence) / num_pairs
     gain = float(np.median([pair.explained.gain for pair in evidence]))
     inside = float(np.mean([pair.sees_epipole for pair in evidence]))
@@ -65,7 +73,7 @@ def choose_source(evidence: Sequence[PairEvidence], num_pairs: int, params: Scen
     is_ahead = inside >= params.min_inside and wander <= params.max_wander_deg
     enough = gain >= (params.min_ahead_gain if is_ahead else params.min_gain)
     if moving < params.min_moving:
-        proposals, reason = SALIENCY, "the camera stands still most of the time"
+        proposals, reason = SALIENCY, _UNSEEN if is_unseen else "the camera stands still most of the time"
     elif gain < params.min_gain:
         proposals, reason = SALIENCY, "one plane explains most of what a rigid scene explains"
     elif inside < params.min_inside:

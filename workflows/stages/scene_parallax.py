@@ -19,7 +19,7 @@ PLACE_PARAMS = frozenset({"stretch_length", "num_pairs", "min_pairs", "pair_gap"
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.scene_parallax import choose_source, follow_corners, measure_pairs
+    from moseg.tasks.scene_parallax import choose_source, count_still, follow_corners, measure_pairs
     from moseg.tasks.screen_graphics import graphics_mask, pairs_outside
 
     parallax_params = SceneParallaxParams.of_recipe(params["scene_parallax"])
@@ -32,7 +32,8 @@ def _run(params, inputs, rng):
         hidden = graphics_mask(ScreenGraphics(**params["graphics"]), shape)
         pairs = [pairs_outside(pair, hidden) for pair in pairs]
     evidence = measure_pairs(pairs, shape, parallax_params, RigidityParams.of_recipe(params["rigidity"]))
-    return Output({}, choose_source(evidence, len(pairs), parallax_params)._asdict())
+    num_still = count_still(pairs, shape, parallax_params)
+    return Output({}, choose_source(evidence, len(pairs), num_still, parallax_params)._asdict())
 
 
 def _params(
@@ -51,7 +52,7 @@ def _params(
     }
 
 
-EPIPOLAR = Task("scene_parallax", "epipolar", version=3, run=_run, params=_params)
+EPIPOLAR = Task("scene_parallax", "epipolar", version=4, run=_run, params=_params)
 
 STAGE = Stage(
     name="scene_parallax",

@@ -5,7 +5,7 @@ import pytest
 
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
 from moseg.tasks.rigidity.explained_shares import ExplainedShares
-from moseg.tasks.scene_parallax import PairEvidence, choose_source, follow_corners, measure_pairs
+from moseg.tasks.scene_parallax import PairEvidence, choose_source, count_still, follow_corners, measure_pairs
 from moseg.tasks.synthetic import SCENES, render_scene
 
 PARAMS = SceneParallaxParams()
@@ -14,6 +14,11 @@ AHEAD = np.array([0.0, 0.0, -1.0])
 
 def _evidence(gain=0.5, heading=AHEAD, sees_epipole=True):
     return PairEvidence(10.0, ExplainedShares(0.9, 0.9 - gain), np.array(heading), sees_epipole)
+
+
+def _choose(evidence, num_pairs, params=PARAMS):
+    """Return the choice where the camera stands still over all pairs without evidence."""
+    return choose_source(evidence, num_pairs, num_pairs - len(evidence), params)
 
 
 def _turned(degrees):
@@ -35,7 +40,7 @@ def test_scenes_with_known_cameras(name, source, reason):
     images = render_scene(SCENES[name].model_copy(update={"num_frames": 9})).images
     pairs = [follow_corners(images[first : first + 5], PARAMS) for first in (0, 2, 4)]
     evidence = measure_pairs(pairs, images.shape[1:3], PARAMS, RigidityParams())
-    chosen = choose_source(evidence, len(pairs), PARAMS)
+    chosen = choose_source(evidence, len(pairs), count_still(pairs, images.shape[1:3], PARAMS), PARAMS)
     assert chosen.proposals == source
     assert reason in chosen.reason
 
@@ -51,7 +56,32 @@ def test_a_track_is_where_its_corner_went():
 def test_frames_without_corners_are_no_evidence():
     pairs = [follow_corners([np.full((64, 96, 3), 90, np.uint8)] * 3, PARAMS)]
     assert measure_pairs(pairs, (64, 96), PARAMS, RigidityParams()) == []
-    assert choose_source([], 1, PARAMS).proposals == "saliency"
+    assert count_still(pairs, (64, 96), PARAMS) == 0
+    chosen = choose_source([], 1, 0, PARAMS)
+    assert (chosen.proposals, chosen.reason) == ("saliency", "too few corners to see the camera's motion")
+
+
+@pytest.mark.parametrize(
+    ("num_moving", "num_still", "reason"),
+    [
+        (0, 6, "the camera stands still"),
+        (0, 4, "the camera stands still"),
+        (0, 3, "too few corners to see the camera's motion"),
+        (0, 0, "too few corners to see the camera's motion"),
+        (2, 4, "the camera stands still most of the time"),
+        (2, 3, "too few corners to see the camera's motion"),
+        (3, 1, "the camera drives through a scene with depth"),
+    ],
+)
+def test_a_camera_is_said_to_stand_still_only_where_it_is_seen_to(num_moving, num_still, reason):
+    assert choose_source([_evidence()] * num_moving, 6, num_still, PARAMS).reason == reason
+
+
+def test_of_the_pairs_with_enough_tracks_those_are_still_over_which_the_camera_does_not_move():
+    still, moving = _corners(move=(0.5, 0.0)), _corners()
+    few = tuple(points[: PARAMS.min_tracks - 1] for points in still)
+    assert count_still([still, moving, few], (240, 320), PARAMS) == 1
+    assert len(measure_pairs([still, moving, few], (240, 320), PARAMS, RigidityParams())) == 1
 
 
 def _corners(at_rest=(), rest=(0.0, 0.0), move=(9.0, 3.0)):
@@ -119,7 +149,7 @@ def test_a_camera_is_still_where_most_corners_move_little():
     ],
 )
 def test_what_the_choice_asks_for(evidence, num_pairs, source):
-    assert choose_source(evidence, num_pairs, PARAMS).proposals == source
+    assert _choose(evidence, num_pairs).proposals == source
 
 
 ASIDE = {"sees_epipole": False}
@@ -142,12 +172,12 @@ ASIDE = {"sees_epipole": False}
     ],
 )
 def test_where_depth_shows_by_parallax(evidence, num_pairs, shows):
-    assert choose_source(evidence, num_pairs, PARAMS).shows_depth is shows
+    assert _choose(evidence, num_pairs).shows_depth is shows
 
 
 def test_each_gain_has_its_own_threshold():
     ahead, aside = [_evidence(gain=0.3)] * 4, [_evidence(gain=0.3, **ASIDE)] * 4
     few, many = PARAMS.model_copy(update={"min_ahead_gain": 0.4}), PARAMS.model_copy(update={"min_gain": 0.4})
-    assert [choose_source(pairs, 4, few).shows_depth for pairs in (ahead, aside)] == [False, True]
-    assert [choose_source(pairs, 4, many).shows_depth for pairs in (ahead, aside)] == [True, False]
-    assert choose_source(ahead, 4, few).proposals == "tracks"
+    assert [_choose(pairs, 4, few).shows_depth for pairs in (ahead, aside)] == [False, True]
+    assert [_choose(pairs, 4, many).shows_depth for pairs in (ahead, aside)] == [True, False]
+    assert _choose(ahead, 4, few).proposals == "tracks"
