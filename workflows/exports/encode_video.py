@@ -89,8 +89,12 @@ def encode_video(path: Path, frames: Iterable[np.ndarray], fps: float | Fraction
                 if not num_frames:
                     stream = _add_stream(container, image.shape, fps, encoding)
                 frame = av.VideoFrame.from_ndarray(image, format="rgb24" if image.shape[2] == 3 else "rgba")
+                # With several threads swscale gives some opaque pixels of yuva444p10le half their alpha.
                 frame = frame.reformat(
-                    format=encoding.pixels, dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
+                    format=encoding.pixels,
+                    dst_colorspace=Colorspace.ITU709,
+                    dst_color_range=ColorRange.MPEG,
+                    threads=1,
                 )
                 with blame_output(path, av.FFmpegError):
                     container.mux(stream.encode(frame))

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from moseg.schemas.errors import InputError
-from moseg.workflows.exports.encode_video import Encoding
+from moseg.workflows.exports.encode_video import Encoding, encode_video
 from moseg.workflows.exports.formats import FORMATS, choose_formats, export
-from moseg.workflows.exports.formats.editor_videos import MATTE, PRORES, WEBM
+from moseg.workflows.exports.formats.editor_videos import MATTE, PRORES, PRORES_ENCODING, WEBM
 from moseg.workflows.exports.frame_origin import FrameOrigin
 from moseg.workflows.exports.ownership import is_own_overlay
 from moseg.workflows.sources import ImageFiles
@@ -80,6 +80,22 @@ def test_a_cut_out_has_the_colours_and_is_opaque_where_something_moves(
         assert not mask.any() or frame[mask, 3].min() >= 255 - tolerance
         assert frame[~mask, 3].max() <= tolerance
         assert np.abs(frame[..., :3].astype(int) - image).mean() < 6
+
+
+def test_the_alpha_of_a_large_frame_is_the_mask(tmp_path):
+    # At this size swscale shares a frame among threads, unless it is told not to.
+    masks = np.zeros((8, 480, 854), np.uint8)
+    for index, mask in enumerate(masks):
+        mask[60 + 7 * index : 420 - 5 * index, 100 + 31 * index : 500 + 31 * index] = 255
+    colours = np.full((480, 854, 3), (40, 120, 200), np.uint8)
+    path = tmp_path / "cutout.mov"
+    encode_video(path, (np.dstack([colours, mask]) for mask in masks), 25, PRORES_ENCODING)
+    # Read without a conversion, which could be at fault itself.
+    with av.open(str(path)) as container:
+        planes = [np.frombuffer(frame.planes[3], np.uint16).reshape(480, -1) for frame in container.decode(video=0)]
+    alpha = np.array(planes)[:, :, :854]
+    np.testing.assert_array_equal(alpha, np.where(masks > 0, alpha.max(), 0))
+    assert alpha.max() > 0
 
 
 def test_binary_masks_are_black_and_white(cut, tmp_path):
