@@ -9,7 +9,6 @@ from pathlib import Path
 from moseg.schemas.configs import Variant
 from moseg.schemas.errors import InputError
 from moseg.store import open_store
-from moseg.workflows.api.given_corrections import CORRECTIONS
 from moseg.workflows.api.run_settings import RunSettings
 from moseg.workflows.api.segmentation import open_source
 from moseg.workflows.api.video_inputs import STANDARD_INPUT, find_videos
@@ -20,7 +19,8 @@ from moseg.workflows.exports.motion_json import read_motion
 from moseg.workflows.exports.outputs import MOTION
 from moseg.workflows.runlog.status import LATEST
 from moseg.workflows.view.opening import OpenOptions, run_opening, video_opening
-from moseg.workflows.view.stored_runs import find_run_of, list_segmentations, read_run
+from moseg.workflows.view.run_of_folder import find_run_of
+from moseg.workflows.view.stored_runs import list_segmentations, read_run
 from moseg.workflows.view.view_session import Opening, ViewSession
 
 PACKAGES = ("starlette", "uvicorn")
@@ -103,7 +103,7 @@ def _choose_opening(what: str, folder: str | None, options: OpenOptions) -> tupl
     if folder is not None:
         summary = read_motion(Path(folder) / MOTION)
         store = open_store(options.run.store, create=False)
-        run = find_run_of(store, Path(folder), summary, (options.out / CORRECTIONS).exists())
+        run = find_run_of(store, Path(folder), summary)
         return summary.name, run_opening(run, options.out, options.run, summary)
     if is_run:
         run = read_run(open_store(options.run.store, create=False), what)

@@ -17,7 +17,8 @@ from moseg.workflows.exports.motion_json import read_motion
 from moseg.workflows.sources import ImageFiles
 from moseg.workflows.view.opened import ExportChoices
 from moseg.workflows.view.opening import run_opening
-from moseg.workflows.view.stored_runs import find_run_of, read_run
+from moseg.workflows.view.run_of_folder import find_run_of
+from moseg.workflows.view.stored_runs import read_run
 
 OPTIONS = ("--section-length", "4", "--set", "sections.overlap=2", "--keep-cues", "--quiet")
 PARTS = {"clip.mp4": ("--start", "1", "--every", "2"), "frames": ("--start", "3")}
@@ -77,7 +78,7 @@ def test_a_part_that_is_opened_by_its_folder_stays_that_part(parts, write, name,
     shutil.copytree(parts / f"{name}-out", tmp_path / "out")
     summary = read_motion(tmp_path / "out" / "motion.json")
     store = open_store(str(parts / f"{name}-db"), create=False)
-    written, part = write(name, tmp_path / "out", find_run_of(store, tmp_path / "out", summary, False), summary)
+    written, part = write(name, tmp_path / "out", find_run_of(store, tmp_path / "out", summary), summary)
     assert (written.frames, written.numbers, part) == (summary.frames, summary.numbers, WORDS[name])
 
 
@@ -100,7 +101,7 @@ def test_a_corrected_folder_is_not_opened_with_a_run_of_another_part(parts, tmp_
     store = open_store(str(copy / "clip.mp4-db"), create=False)
     _segment(copy, "clip.mp4", "other", "--end", "5")
     assert _read_run(copy, "clip.mp4").numbers == (0, 1, 2, 3, 4)
-    assert find_run_of(store, folder, summary, True).leaves == run.leaves
+    assert find_run_of(store, folder, summary).leaves == run.leaves
 
 
 def test_the_log_of_a_whole_video_says_that_it_is_whole(segmented):
