@@ -70,6 +70,8 @@ class PipelineChoices:
         Whether the preset is taken with its lighter networks.
     corrected : mapping of str to value
         Parameters as ``stage.name`` that corrections put in place of all others.
+    stored : frozenset of str
+        Cues that a finished run took from folders and holds, so that no folder is needed.
     """
 
     config: ConfigLike | None = None
@@ -81,6 +83,13 @@ class PipelineChoices:
     folders: Mapping[str, str] = field(default_factory=dict)
     light: bool = False
     corrected: Mapping[str, Any] = field(default_factory=dict)
+    stored: frozenset[str] = frozenset()
+
+    @classmethod
+    def of_run(cls, config: PipelineConfig) -> "PipelineChoices":
+        """Return the choices of a finished run with this configuration, which holds the cues that it was given."""
+        given = (cue for cue, parameter in CUES.items() if _value_of(config, parameter) == "folder")
+        return cls(config, stored=frozenset(given))
 
     @property
     def names(self) -> dict[str, Any]:
@@ -123,7 +132,8 @@ class PipelineChoices:
         for cue, parameter in CUES.items():
             source = _value_of(config, parameter)
             # Not by --set alone: what the data set gives must not stand in for the user's folder.
-            if (source == "folder") != (cue in self.folders):
+            has_files = cue in self.folders or (source == "folder" and cue in self.stored)
+            if (source == "folder") != has_files:
                 got, expected = f"{source} by --set or --config", f"--{cue} folder:PATH"
                 raise InputError("a folder and its use disagree", where=f"--{cue}", got=got, expected=expected)
         self._check_sources(config)

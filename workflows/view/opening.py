@@ -104,10 +104,9 @@ def run_opening(run: StoredRun, out: Path, settings: RunSettings, summary: Seque
         purpose = Purpose(
             "segment", words=words, video=origin.identity, uncorrected=base, video_frames=origin.recorded()
         )
-        video = OpenVideo(
-            OpenRun(session, source, run.variant, purpose, leaves, base), source, origin, PipelineChoices(base), fps
-        )
-        options = OpenOptions(out, PipelineChoices(base), FrameRange(), fps, run.variant, settings)
+        choices = PipelineChoices.of_run(base)
+        video = OpenVideo(OpenRun(session, source, run.variant, purpose, leaves, base), source, origin, choices, fps)
+        options = OpenOptions(out, choices, FrameRange(), fps, run.variant, settings)
         opened = _open(video, options, words)
         return opened if summary is None else replace(opened, look_at=summary.look_at)
 

@@ -1,5 +1,6 @@
 """The stored run that a folder of results is opened with, among others of the same video."""
 
+import shutil
 from contextlib import ExitStack
 
 import numpy as np
@@ -119,3 +120,28 @@ def test_an_object_that_was_painted_belongs_to_its_run(segment, segmented, tmp_p
     # A run of five frames has no frame 8.
     segment(segmented.frames, "C", "--end", "5")
     assert _found(tmp_path, folder) == run
+
+
+def test_results_of_given_cues_are_opened_without_their_folders(segment, segmented, tmp_path):
+    masks, flow = tmp_path / "masks", tmp_path / "flow"
+    shutil.copytree(segmented.frames.parent / "masks", masks)
+    for direction in ("forward", "backward"):
+        (flow / direction).mkdir(parents=True)
+        for index in range(9):
+            np.save(flow / direction / f"{index:05d}.npy", np.zeros((96, 128, 2), np.float32))
+    folder, run = segment(segmented.frames, "A", "--proposals", f"folder:{masks}", "--flow", f"folder:{flow}")
+    shutil.rmtree(masks)
+    shutil.rmtree(flow)
+    summary = read_motion(folder / "motion.json")
+    base = read_run(_store(tmp_path), run)
+    for found in (find_run_of(_store(tmp_path), folder, summary), base):
+        with ExitStack() as stack:
+            settings = RunSettings(str(tmp_path / "store"), quiet=True)
+            opened = run_opening(found, tmp_path / "out", settings, summary)(stack)
+            assert opened.first.identities == tuple(each.identity for each in summary.objects)
+            # Of the depth that was not given there is no folder either.
+            with pytest.raises(InputError, match=r"a folder and its use disagree in --depth"):
+                opened.correct(Corrections(settings={"depth.method": "folder"}))
+            opened.write(ExportChoices(overlay="none"))
+        for path in (folder / "masks").iterdir():
+            assert (tmp_path / "out" / "masks" / path.name).read_bytes() == path.read_bytes()
