@@ -11,12 +11,12 @@ from moseg.schemas.digests import digest_json
 from moseg.schemas.errors import InputError
 from moseg.workflows.sources.files import digest_file, read_bytes, stem
 from moseg.workflows.sources.frames import FrameDescription
-from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header, has_wide_integers
+from moseg.workflows.sources.pillow_image import MAX_PIXELS, check_image_header, has_wide_integers, read_below_alpha
 from moseg.workflows.sources.png_file import check_png
 from moseg.workflows.sources.quiet_decoding import decode_quietly
 from moseg.workflows.sources.resize import shrink_to, working_size
 
-DECODING_VERSION = 2
+DECODING_VERSION = 3
 """Raised when `ImageFiles.read` starts to yield other pixels for the same bytes, or to refuse them."""
 MAX_SAMPLE_BYTES = 8 * MAX_PIXELS
 """Of one frame: four channels of 16 bits."""
@@ -130,6 +130,9 @@ def decode_image(content: bytes, path: str) -> np.ndarray:
         image = cv2.convertScaleAbs(image, alpha=255 / 65535)
     if image.dtype != np.uint8:
         raise _unusable(str(image.dtype), path)
+    below_alpha = read_below_alpha(content, path)
+    if below_alpha is not None:
+        return below_alpha
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
 
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+import numpy as np
 from PIL import Image
 
 from moseg.schemas.errors import InputError
@@ -31,6 +32,8 @@ PILLOW_ERRORS = (
     Image.DecompressionBombError,
 )
 """Exceptions of Pillow for a damaged image."""
+# TIFF 6.0, section 18: the tag ExtraSamples and its value for colours that are not multiplied by alpha.
+_EXTRA_SAMPLES, _UNASSOCIATED_ALPHA = 338, 2
 _SEQUENCES = ("PNG", "WEBP", "TIFF")
 """Formats that may hold several frames; a JPEG's second image (a depth map, a preview) is not a frame."""
 
@@ -82,6 +85,24 @@ def has_wide_integers(content: bytes) -> bool:
             return image.mode == "I"
     except (*PILLOW_ERRORS, Image.DecompressionBombError):
         return False
+
+
+def read_below_alpha(content: bytes, path: str) -> np.ndarray | None:
+    """Return the colours uint8 (y, x, 3) RGB of a TIFF with 8-bit alpha by which they are not multiplied; else None.
+
+    libtiff, by which OpenCV decodes it, multiplies them. InputError is raised if the colours are damaged.
+    """
+    has_clear = False
+    try:
+        with open_quietly(io.BytesIO(content)) as image:
+            if image.format == "TIFF" and image.mode == "RGBA":
+                has_clear = _UNASSOCIATED_ALPHA in image.tag_v2.get(_EXTRA_SAMPLES, ())
+            return np.asarray(image.convert("RGB")) if has_clear else None
+    except (*PILLOW_ERRORS, Image.DecompressionBombError) as error:
+        # Of a header that Pillow cannot read nothing is known.
+        if not has_clear:
+            return None
+        raise InputError("image cannot be decoded", where=path, got=f"{len(content)} bytes, {error}") from error
 
 
 def _check_png(content: bytes, path: str) -> None:

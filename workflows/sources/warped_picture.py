@@ -12,7 +12,7 @@ from moseg.workflows.sources.frames import FrameDescription
 from moseg.workflows.sources.image_files import DECODING_VERSION, decode_image
 from moseg.workflows.sources.resize import shrink_to, working_size
 
-WARP_VERSION = 1
+WARP_VERSION = 2
 """Raised when `draw_picture_scene` or `warp_picture` gives other frames for the same picture."""
 
 

@@ -36,14 +36,26 @@ def test_sixteen_bits_scale_to_eight(tmp_path, picture, write_image):
     assert read_one(write_image(tmp_path / "b.png", grey))[0, :, 0].tolist() == [0, 0, 128, 255]
 
 
+@pytest.mark.parametrize("suffix", [".png", ".tif"])
 @pytest.mark.parametrize("mode", ["RGBA", "LA"])
-def test_alpha_is_dropped(tmp_path, picture, mode):
+def test_alpha_is_dropped(tmp_path, picture, mode, suffix):
     image = Image.fromarray(picture)
     expected = np.asarray(image.convert(mode[:-1]).convert("RGB"))
     image = image.convert(mode)
     image.putalpha(7)
-    image.save(tmp_path / "a.png")
-    np.testing.assert_array_equal(read_one(tmp_path / "a.png"), expected)
+    image.save(tmp_path / f"a{suffix}")
+    np.testing.assert_array_equal(read_one(tmp_path / f"a{suffix}"), expected)
+
+
+@pytest.mark.parametrize("compression", ["raw", "tiff_lzw", "tiff_adobe_deflate"])
+@pytest.mark.parametrize("orientation", [1, 2, 3, 5, 6, 8])
+def test_alpha_of_a_tiff_changes_nothing_else(tmp_path, picture, compression, orientation):
+    opaque = Image.fromarray(picture)
+    clear = opaque.convert("RGBA")
+    clear.putalpha(0)
+    for name, image in (("opaque", opaque), ("clear", clear)):
+        image.save(tmp_path / f"{name}.tif", compression=compression, tiffinfo={0x0112: orientation})
+    np.testing.assert_array_equal(read_one(tmp_path / "clear.tif"), read_one(tmp_path / "opaque.tif"))
 
 
 @pytest.mark.parametrize(
