@@ -1,5 +1,6 @@
 """The console script: the command line with everything around it that a shell sees."""
 
+import io
 import os
 import signal
 import sys
@@ -30,6 +31,7 @@ def main(arguments: list[str] | None = None) -> None:
         # A process that a shell runs in the background ignores Ctrl-C.
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, _interrupt)
+    _spell_other_characters()
     report_unraisable = sys.unraisablehook
     sys.unraisablehook = partial(_handle_unraisable, report_unraisable)
     try:
@@ -90,6 +92,14 @@ def _send_until_handled(number: int, num_received: int) -> None:
         if len(_received) > num_received:
             return
         signal.pthread_kill(threading.main_thread().ident, number)
+
+
+def _spell_other_characters() -> None:
+    """Make standard output and error spell characters that their encoding lacks, such as ``\\u30af`` in Latin-1."""
+    for stream in (sys.stdout, sys.stderr):
+        # Other ways of handling them are the user's choice, or the locale's.
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _flush(code: int) -> int:

@@ -211,3 +211,23 @@ def test_a_closed_or_full_output_is_told_in_one_line_or_none(evaluated):
     assert ran.returncode == 1
     (line,) = ran.stderr.decode().splitlines()
     assert "No space left" in line
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "ascii:strict"])
+def test_an_output_that_lacks_the_characters_of_a_name_spells_them(in_process, squares, encoding):
+    video = Path("クマ.frames")
+    video.symlink_to(squares / "squares" / "frames")
+    env = {"PYTHONIOENCODING": encoding}
+    options = ("--set", "proposal_source=saliency", "--store", "store")
+    segmented = in_process("segment", video, "--out", "クマ", *options, env=env)
+    assert segmented.returncode == 0, segmented.stderr
+    assert r"\u30af\u30de" in segmented.stdout
+    exported = in_process("export", "クマ", "--to", "csv", env=env)
+    assert (exported.returncode, exported.stdout.count(r"\u30af\u30de")) == (0, 1)
+    status = in_process("status", "latest", "--store", "store", env=env)
+    assert (status.returncode, r"\u30af\u30de" in status.stdout) == (0, True)
+    refused = in_process("segment", "存在しない.mp4", env=env)
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    for command in ((), ("segment",), ("eval",)):
+        helped = in_process(*command, "--help", env=env)
+        assert (helped.returncode, "Traceback" in helped.stderr) == (0, False)
