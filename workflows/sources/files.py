@@ -95,8 +95,12 @@ def stem(path: str) -> str:
 
 
 def named_stem(path: str) -> str:
-    """Return the stem of the name that a file or folder was given by, also of ``.``; a link has its own name."""
-    return Path(os.path.abspath(path)).stem
+    """Return the name that a file, without its last suffix, or a folder was given by, also of ``.``; of a link its own.
+
+    A folder's name has no suffix: ``take.1`` and ``take.2`` are two names.
+    """
+    named = Path(os.path.abspath(path))
+    return named.name if named.is_dir() else named.stem
 
 
 def natural_key(name: str) -> tuple[list[int | str], str]:

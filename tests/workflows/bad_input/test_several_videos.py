@@ -51,6 +51,17 @@ def test_each_of_several_videos_has_a_folder_of_its_name(segment_all, clips, tmp
     assert len(list((tmp_path / "out" / "three" / "masks").iterdir())) == 5
 
 
+def test_folders_of_frames_keep_what_follows_a_dot_in_their_names(segment_all, write_folder, frames, tmp_path):
+    write_folder("take.1", frames)
+    write_folder("take.2", [image[::-1] for image in frames])
+    ran = segment_all(tmp_path / "take.1", tmp_path / "take.2")
+    assert (ran.code, ran.err) == (0, "")
+    assert {name: each["name"] for name, each in _summaries(tmp_path / "out").items()} == {
+        "take.1": "take.1",
+        "take.2": "take.2",
+    }
+
+
 @pytest.mark.parametrize("word", ["", "*", "**/[ot]*"])
 def test_a_folder_of_videos_and_a_pattern_stand_for_what_is_in_them(segment_all, clips, tmp_path, word):
     (clips / "notes.txt").unlink()
