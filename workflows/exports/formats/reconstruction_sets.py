@@ -27,7 +27,11 @@ from moseg.workflows.sources.pillow_image import PILLOW_ERRORS, open_quietly
 IMAGES, MASKS = "images", "masks"
 JPEG_QUALITY = 95
 """Of photographs that are written anew because they were turned; Pillow advises against more."""
-_EXIF_ORIENTATION = 0x0112
+# Exif 2.32, 4.6: tags of the orientation, of Exif's own part with its pixel sizes, and of those of the first part.
+_EXIF_ORIENTATION, _EXIF_PART = 0x0112, 0x8769
+_EXIF_SIZES, _TIFF_SIZES = (0xA002, 0xA003), (0x0100, 0x0101)
+_ABOUT_A_TIFF = (0x010F, 0x0110, 0x0131, 0x0132, _EXIF_PART, 0x8825)
+"""Tags of a TIFF that do not describe how its pixels are stored: maker, model, software, time, Exif's part and GPS."""
 
 
 class SetFolders(NamedTuple):
@@ -57,7 +61,8 @@ def write_set(
     """Write ``for-<name>/images`` and ``for-<name>/masks``, black where it moves, and return their folder.
 
     The image files of a folder of frames are copied, unless they are photographs that EXIF turns: these are written
-    upright, because masks are upright and not all programs turn images. Frames of a video are written as PNG.
+    upright, because masks are upright and not all programs turn images. They keep their other EXIF data, such as the
+    focal length, and their colour profile. Frames of a video are written as PNG.
     """
     target = set_folders(name, image_name, mask_name, folder, saved.summary.name, saved.names)
     width = DEFAULT_DILATION if dilation is None else dilation
@@ -103,16 +108,35 @@ def _frame_writers(saved: SavedSegmentation) -> Iterator[Callable[[Path], object
             with open_quietly(Path(path)) as image:
                 found, kind = image.size, image.format
                 orientation = image.getexif().get(_EXIF_ORIENTATION, 1)
+                about = _about_upright(image) if orientation in range(2, 9) else {}
         except PILLOW_ERRORS as error:
             raise InputError("image cannot be decoded", where=path) from error
-        if (found[::-1] if orientation in range(5, 9) else found) != size:
+        # Pillow gives the size of a TIFF as after it was turned.
+        if (found[::-1] if orientation in range(5, 9) and kind != "TIFF" else found) != size:
             expected = f"{size[0]}x{size[1]} px, as in motion.json"
             raise InputError("image of the wrong size", where=path, got=f"{found[0]}x{found[1]} px", expected=expected)
         if orientation in range(2, 9):
             upright = Image.fromarray(decode_image(read_bytes(path), path))
-            yield partial(upright.save, format=kind, quality=JPEG_QUALITY)
+            yield partial(upright.save, format=kind, quality=JPEG_QUALITY, **about)
         else:
             yield partial(shutil.copyfile, path)
+
+
+def _about_upright(image: Image.Image) -> dict[str, bytes]:
+    """Return the EXIF data of a photograph as after it was turned upright, and its colour profile if that is of RGB."""
+    exif = image.getexif()
+    orientation = exif.pop(_EXIF_ORIENTATION)
+    part = exif.get_ifd(_EXIF_PART)
+    if image.format == "TIFF":
+        for tag in set(exif).difference(_ABOUT_A_TIFF):
+            del exif[tag]
+    if orientation in range(5, 9):
+        for tags, (width, height) in ((exif, _TIFF_SIZES), (part, _EXIF_SIZES)):
+            if width in tags and height in tags:
+                tags[width], tags[height] = tags[height], tags[width]
+    about = {"exif": exif.tobytes()}
+    profile = image.info.get("icc_profile")
+    return about | {"icc_profile": profile} if profile and image.mode in ("RGB", "RGBA") else about
 
 
 def choose_kept(

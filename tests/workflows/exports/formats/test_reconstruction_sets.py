@@ -6,7 +6,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from PIL import Image, ImageOps
+from PIL import Image, ImageCms, ImageOps
 
 from moseg.schemas.errors import InputError
 from moseg.workflows.cli.export import OWN_SETS
@@ -180,3 +180,29 @@ def test_a_photograph_of_any_orientation_is_written_upright(write_saved, tmp_pat
     with Image.open(folder / "images" / "a.jpg") as image:
         assert image.getexif().get(0x0112, 1) == 1
         assert np.abs(np.asarray(image.convert("L")).astype(int) - expected).mean() < 3
+
+
+@pytest.mark.parametrize("orientation", [3, 6, 8])
+@pytest.mark.parametrize("suffix", ["jpg", "png", "webp", "tif"])
+def test_a_photograph_that_is_turned_keeps_its_exif_data_and_profile(write_saved, tmp_path, orientation, suffix):
+    size = (WIDTH, HEIGHT)
+    stored = Image.new("RGB", size[::-1] if orientation > 4 else size, (90, 120, 60))
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    exif = Image.Exif()
+    exif[0x0112], exif[0x0110] = orientation, "Camera"
+    exif.get_ifd(0x8769).update({0xA002: stored.width, 0xA003: stored.height, 0x920A: 4.5, 0xA405: 28})
+    exif.get_ifd(0x8825).update({1: "N", 2: (46.0, 31.0, 12.0)})
+    path = tmp_path / "frames" / f"a.{suffix}"
+    path.parent.mkdir()
+    stored.save(path, exif=exif.tobytes(), icc_profile=profile)
+    origin = FrameOrigin(str(path.parent), ImageFiles((str(path),), 1000))
+    saved = write_saved(np.zeros((1, HEIGHT, WIDTH), np.uint16), (path.name,)).from_video(origin)
+    (folder,) = export(saved, choose_sets(["colmap"]), tmp_path)
+    with Image.open(folder / "images" / path.name) as image:
+        found = image.getexif()
+        part = found.get_ifd(0x8769)
+        assert image.size == size and image.info["icc_profile"] == profile
+        assert found.get(0x0112, 1) == 1 and found[0x0110] == "Camera"
+        assert (part[0xA002], part[0xA003], float(part[0x920A]), part[0xA405]) == (*size, 4.5, 28)
+        assert found.get_ifd(0x8825)[1] == "N"
+        assert np.abs(np.asarray(image, int) - (90, 120, 60)).max() < 6
