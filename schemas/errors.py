@@ -66,7 +66,7 @@ class UnnamedParameterError(MosegError, AttributeError):
 
 
 class StoreError(MosegError, OSError):
-    """The artifact store failed (disk full, not writable): a fault, exit code 1."""
+    """The artifact store failed (disk full, not writable), or the disk of an output did: a fault, exit code 1."""
 
 
 class ClusterError(MosegError, RuntimeError):

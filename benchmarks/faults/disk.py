@@ -7,7 +7,7 @@ Run ``python benchmarks/faults/disk.py [--cases full inodes …] [--root DIR]``;
   the same command computes the rest and nothing else. A disk with less than the run is estimated to take is refused
   in one line, exit code 2, and nothing is computed on it.
 - ``file-size``: the same under a limit on the size of files (RLIMIT_FSIZE), for which nothing is mounted.
-- ``output``: a full disk under the output of a command is one line, exit code 2; no part of a file stays.
+- ``output``: a full disk under the output of a command is one line, exit code 1; no part of a file stays.
 - ``read-only``, ``forbidden``: in a place that cannot be written (a read-only mount, folders of another user), stored
   artifacts are evaluated, listed and verified; missing ones are one line and exit code 1.
 

@@ -57,7 +57,7 @@ def output(bench: Bench) -> None:
             out = disk / ("out" if name == "segment" else "report.json")
             ended = run_to_end(bench.workload.command(name, str(bench.whole), out), bench.folder / "logs")
             case = f"output of {name}, {size}"
-            bench.require_refusal(case, ended, 2, NO_SPACE, str(disk))
+            bench.require_refusal(case, ended, 1, NO_SPACE, str(disk))
             parts = [path for path in read_files(disk) if path.endswith(".part")]
             bench.ledger.require(case, "no partial files are left", not parts, parts)
         (bench.folder / "disk").rmdir()

@@ -1,5 +1,6 @@
 """Atomic writing: a file is written whole or not at all."""
 
+import errno
 import os
 import re
 import uuid
@@ -7,24 +8,34 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, StoreError
 
 _PART = re.compile(r"\.[0-9a-f]{32}\.part")
 """Names of temporary files, as short as possible: that of the file itself may be as long as the system allows."""
 
+_OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 _STREAM_FOLDERS = {Path("/dev"), Path("/dev/fd"), Path("/proc/self/fd")}
 
 
 @contextmanager
 def blame_output(path: Path, *more: type[Exception]) -> Iterator[None]:
-    """Turn a failure of the file system, or one of `more`, into an InputError that names the output."""
+    """Turn a failure of the file system, or one of `more`, into an error that names the output.
+
+    Raises
+    ------
+    StoreError
+        The disk is full or failed, or a quota is used up: no fault of the path.
+    InputError
+        Anything else.
+    """
     try:
         yield
-    except InputError:
+    except (InputError, StoreError):
         # Some are OSErrors too; they already describe the problem.
         raise
     except (OSError, *more) as error:
-        raise InputError("cannot write", where=path, got=getattr(error, "strerror", None) or error) from error
+        kind = StoreError if getattr(error, "errno", None) in _OF_THE_DISK else InputError
+        raise kind("cannot write", where=path, got=getattr(error, "strerror", None) or error) from error
 
 
 def is_stream(path: Path) -> bool:

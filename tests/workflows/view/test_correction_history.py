@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, StoreError
 from moseg.workflows.config.corrections_file import read_corrections
 from moseg.workflows.view.correction_history import CorrectionHistory
 
@@ -104,7 +104,7 @@ def test_what_cannot_be_written_changes_nothing(history, monkeypatch):
         raise OSError(28, os.strerror(28))
 
     monkeypatch.setattr(os, "replace", refuse)
-    with pytest.raises(InputError, match=r"cannot write in .*No space left on device"):
+    with pytest.raises(StoreError, match=r"cannot write in .*No space left on device"):
         history.put(history.with_edit({"drop": 3}))
     with pytest.raises(InputError, match="nothing to redo"):
         history.after()
