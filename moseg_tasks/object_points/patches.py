@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 _TINY = 1e-9
+_AT_ONCE = 1 << 14  # OpenCV samples at most 32,766 rows of a map
 _SOBEL = 3  # aperture of the derivatives of the structure tensor, px
 
 
@@ -19,9 +20,13 @@ def correlate_patches(
         xy, px; linear between pixels.
     side : px.
     """
-    patches0, patches1 = (_centred(image, points, side) for image, points in ((image0, points0), (image1, points1)))
-    energy = np.square(patches0).sum(axis=1) * np.square(patches1).sum(axis=1)
-    return (patches0 * patches1).sum(axis=1) / np.sqrt(energy + np.float32(_TINY))
+    correlation = np.zeros(len(points0), np.float32)
+    for first in range(0, len(points0), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        patches0, patches1 = _centred(image0, points0[part], side), _centred(image1, points1[part], side)
+        energy = np.square(patches0).sum(axis=1) * np.square(patches1).sum(axis=1)
+        correlation[part] = (patches0 * patches1).sum(axis=1) / np.sqrt(energy + np.float32(_TINY))
+    return correlation
 
 
 def roundness(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
@@ -37,8 +42,6 @@ def roundness(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
 
 def _centred(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
     """Return the patches around points less the mean of each, float32 (N, side * side)."""
-    if not len(points):
-        return np.zeros((0, side * side), np.float32)
     steps = np.arange(side, dtype=np.float32) - np.float32((side - 1) / 2)
     across, down = np.meshgrid(steps, steps)
     x, y = (points[:, axis, None] + step.ravel() for axis, step in enumerate((across, down)))

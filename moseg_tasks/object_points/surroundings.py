@@ -15,6 +15,9 @@ _WINDOW = 11
 _SLIP = 4.0
 """Largest distance of what Lucas-Kanade finds from where the neighbours' motion leads, px."""
 _MAX_CORNERS = 500
+"""New corners of an object in a frame."""
+_MAX_POINTS = 5000
+"""Points of an object in a frame up to which there are new ones."""
 _CORNER_BLOCK = 5
 
 
@@ -75,7 +78,9 @@ def new_corners(image: np.ndarray, own: np.ndarray, others: np.ndarray, pair: Fr
     float32 (K, 2)
         Strongest first.
     """
-    params = pair.params
+    params, room = pair.params, min(_MAX_CORNERS, _MAX_POINTS - len(own))
+    if room <= 0:
+        return np.zeros((0, 2), np.float32)
     first = np.maximum(np.floor(own.min(axis=0) - params.reach).astype(int), 0)
     last = np.ceil(own.max(axis=0) + params.reach).astype(int)
     part = np.ascontiguousarray(image[first[1] : last[1] + 1, first[0] : last[0] + 1])
@@ -84,7 +89,7 @@ def new_corners(image: np.ndarray, own: np.ndarray, others: np.ndarray, pair: Fr
     free = far & (_distance_to(own - first, part.shape) <= params.reach)
     corners = cv2.goodFeaturesToTrack(
         part,
-        _MAX_CORNERS,
+        room,
         params.corner_quality,
         params.spacing,
         mask=free.astype(np.uint8),

@@ -42,3 +42,11 @@ def test_roundness_does_not_depend_on_the_other_points():
     image = np.kron(NOISE[:15, :20], np.ones((4, 4), np.uint8))
     together = roundness(image, POINTS, 9)
     np.testing.assert_allclose(together, [roundness(image, point[None], 9)[0] for point in POINTS], rtol=1e-5)
+
+
+def test_more_points_than_opencv_samples_at_once():
+    many = np.tile(POINTS, (11_000, 1))
+    assert len(many) > 2**15
+    found = correlate_patches(NOISE, many, NOISE, many + np.float32([2, 1]), 5)
+    expected = correlate_patches(NOISE, POINTS, NOISE, POINTS + np.float32([2, 1]), 5)
+    np.testing.assert_array_equal(found, np.tile(expected, 11_000))

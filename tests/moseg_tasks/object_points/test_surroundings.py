@@ -73,3 +73,9 @@ def test_corners_at_the_border_of_the_frame_are_inside():
 def test_a_plain_frame_has_no_corners():
     plain = np.full(SHAPE, 90, np.uint8)
     assert new_corners(plain, np.float32([[60, 60]]), np.zeros((0, 2), np.float32), PAIR).shape == (0, 2)
+
+
+@pytest.mark.parametrize(("number", "most"), [(4990, 10), (5000, 0), (6000, 0)])
+def test_an_object_with_many_points_gets_few_new_ones(number, most):
+    own = np.tile(np.float32([[60, 60]]), (number, 1))
+    assert len(new_corners(TEXTURE, own, np.zeros((0, 2), np.float32), PAIR)) == most
