@@ -100,7 +100,7 @@ def named_stem(path: str) -> str:
     A folder's name has no suffix: ``take.1`` and ``take.2`` are two names.
     """
     named = Path(os.path.abspath(path))
-    return named.name if named.is_dir() else named.stem
+    return named.name if os.path.isdir(named) else named.stem
 
 
 def natural_key(name: str) -> tuple[list[int | str], str]:
