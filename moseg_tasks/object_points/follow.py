@@ -8,9 +8,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from moseg.schemas.parameters import ObjectPointParams
+from moseg.tasks.object_points.corners import new_corners
 from moseg.tasks.object_points.motion import FramePair
 from moseg.tasks.object_points.patches import roundness
-from moseg.tasks.object_points.surroundings import Surroundings, new_corners
+from moseg.tasks.object_points.surroundings import Surroundings
 
 
 class ObjectPoints(NamedTuple):
@@ -104,7 +105,7 @@ class _Followed:
 
 
 class _Front(NamedTuple):
-    """What is followed of an object: places, float32 (n, 2), and numbers of points, and the object's last motions."""
+    """Followed points of an object in a frame: places, float32 (n, 2), and numbers, and the object's last motions."""
 
     places: np.ndarray
     numbers: np.ndarray

@@ -16,7 +16,7 @@ _MAX_POINTS = 150
 """Points that refine a motion; an even choice of more."""
 _SAME = 1.0
 """Two motions are one if they bring the object's points to places that are less far apart on average, px."""
-_NOWHERE = np.float32(-1)
+NOWHERE = np.float32(-1)
 """Correlation of a point outside the frame."""
 
 
@@ -94,7 +94,7 @@ class FramePair(NamedTuple):
             if fitted is None:
                 return None
             similarity, agrees = fitted
-        num_inside = np.count_nonzero(found.correlation > _NOWHERE)
+        num_inside = np.count_nonzero(found.correlation > NOWHERE)
         return similarity if np.count_nonzero(agrees) >= params.min_share * num_inside else None
 
     def _track(self, similarity: np.ndarray, points: np.ndarray) -> Found:
@@ -104,7 +104,7 @@ class FramePair(NamedTuple):
         height, width = self.image1.shape
         window = self._window(expected)
         if window is None:
-            return Found(expected, np.zeros(len(points), bool), np.full(len(points), _NOWHERE))
+            return Found(expected, np.zeros(len(points), bool), np.full(len(points), NOWHERE))
         rows, columns = window
         origin = np.float32([columns.start, rows.start])
         shifted = similarity - np.c_[np.zeros((2, 2)), origin]
@@ -118,7 +118,7 @@ class FramePair(NamedTuple):
         correlation = correlate_patches(brought, start, image1, place, params.patch)
         place += origin
         is_inside = ((place >= 0) & (place <= [width - 1, height - 1])).all(axis=1)
-        return Found(place, is_near & is_inside, np.where(is_inside, correlation, _NOWHERE))
+        return Found(place, is_near & is_inside, np.where(is_inside, correlation, NOWHERE))
 
     def _window(self, points: np.ndarray) -> tuple[slice, slice] | None:
         """Return rows and columns of the second frame around those of the points that are in it; None without any."""

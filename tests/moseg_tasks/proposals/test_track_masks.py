@@ -59,12 +59,12 @@ def test_either_cue_alone_finds_the_outline_better_than_distance(cue):
 
 
 def test_edges_of_the_frame_draw_the_outline():
-    frames, *scene, truth = _scene(spacing=12)
+    frames, *scene, truth = _scene(spacing=13)
     # Flow that is smeared over the outline, and contrast that tells votes little.
     frames = np.where(frames > 100, 80, frames).astype(np.uint8)
     scene[0] = np.stack([cv2.GaussianBlur(flow, (0, 0), 8) for flow in scene[0]])
     coarse, found = (track_masks(frames, *scene, 0, params, OUTLINES) for params in (VOTES, PARAMS))
-    assert _iou(found > 0, truth) > 0.98 and _iou(coarse > 0, truth) < 0.94
+    assert _iou(found > 0, truth) > 0.98 and _iou(coarse > 0, truth) < 0.92
     rows, columns = (range(0, side - 1, kernel.STEP) for side in SHAPE)
     for shift in (0, 1):
         np.testing.assert_array_equal(coarse[:, rows][..., columns], coarse[:, rows][..., shift + np.array(columns)])
