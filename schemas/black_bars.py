@@ -11,7 +11,17 @@ class BlackBars(NamedTuple):
     right: int = 0
     bottom: int = 0
 
+    @property
+    def corner(self) -> tuple[int, int]:
+        """The x and y of the picture's first pixel, px."""
+        return self.left, self.top
+
     def picture(self, shape: tuple[int, int]) -> tuple[slice, slice]:
         """Return the rows and columns of the picture in frames of `shape`, which is (y, x), px."""
         height, width = shape
         return slice(self.top, height - self.bottom), slice(self.left, width - self.right)
+
+    def picture_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
+        """Return the (y, x) of the picture in frames of `shape`, which is (y, x), px."""
+        height, width = shape
+        return height - self.top - self.bottom, width - self.left - self.right

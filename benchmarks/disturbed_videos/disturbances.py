@@ -124,6 +124,13 @@ def add_bars(image: np.ndarray, down: float = 0.0, across: float = 0.0) -> np.nd
     return barred
 
 
+def put_on_canvas(image: np.ndarray, ratio: float = 16 / 9) -> np.ndarray:
+    """Return the image in the middle of a black canvas, which is `ratio` times as wide as high."""
+    height, width = image.shape[:2]
+    down, across = (max(round(side), 0) for side in ((width / ratio - height) / 2, (height * ratio - width) / 2))
+    return cv2.copyMakeBorder(image, down, down, across, across, cv2.BORDER_CONSTANT)
+
+
 def _bars(**shares: float) -> Disturbance:
     change = partial(add_bars, **shares)
     return _each(change, change)
@@ -159,6 +166,7 @@ DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "shaken": ("shaken by hand", shake),
     "pillars": ("black bars left and right, 20 % of the width each", _bars(across=0.2)),
     "letterbox": ("black bars above and below, 14 % of the height each", _bars(down=0.14)),
+    "canvas": ("in a 16:9 canvas, black beside it", _each(put_on_canvas, put_on_canvas)),
     "graphics": ("a logo and a running clock", add_graphics),
     "grey": ("without colour", _each(remove_colour, _same)),
     "noisy": ("noise of ten grey levels", add_noise),

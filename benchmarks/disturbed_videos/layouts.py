@@ -27,6 +27,9 @@ class Layout(Protocol):
     def sequences(self, root: Path) -> list[str]:
         """Return the names of the sequences in a folder."""
 
+    def frames_of(self, root: Path, sequence: str) -> Path:
+        """Return the folder of a sequence's frames."""
+
     def read(self, root: Path, sequence: str) -> Video:
         """Return a sequence; raises FileNotFoundError if it is not there."""
 
@@ -44,8 +47,11 @@ class Davis:
     def sequences(self, root: Path) -> list[str]:
         return sorted(path.name for path in (root / self.frames).iterdir())
 
+    def frames_of(self, root: Path, sequence: str) -> Path:
+        return root / self.frames / sequence
+
     def read(self, root: Path, sequence: str) -> Video:
-        frames = _files(root / self.frames / sequence, "*.jpg")
+        frames = _files(self.frames_of(root, sequence), "*.jpg")
         truths = [root / self.truths / sequence / f"{path.stem}.png" for path in frames]
         return Video(
             [cv2.imread(str(path)) for path in frames], [cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in truths]
@@ -53,7 +59,7 @@ class Davis:
 
     def write(self, root: Path, sequence: str, video: Video) -> None:
         quality = [cv2.IMWRITE_JPEG_QUALITY, 95]
-        _write_images(root / self.frames / sequence, video.frames, "jpg", quality)
+        _write_images(self.frames_of(root, sequence), video.frames, "jpg", quality)
         _write_images(root / self.truths / sequence, video.truths, "png", [])
 
 
@@ -70,8 +76,11 @@ class Kt3dMoSeg:
     def sequences(self, root: Path) -> list[str]:
         return sorted(path.name.removesuffix("_Tracks.mat") for path in root.glob("*_Tracks.mat"))
 
+    def frames_of(self, root: Path, sequence: str) -> Path:
+        return root / sequence / "images"
+
     def read(self, root: Path, sequence: str) -> Video:
-        frames = [cv2.imread(str(path)) for path in _files(root / sequence / "images", "*.png")]
+        frames = [cv2.imread(str(path)) for path in _files(self.frames_of(root, sequence), "*.png")]
         data = scipy.io.loadmat(root / f"{sequence}_Tracks.mat")["Data"][0, 0]
         # Positions count from 1.
         points, visible = np.rint(data["ySparse"][:2]).astype(int) - 1, data["visibleSparse"] > 0
@@ -87,7 +96,7 @@ class Kt3dMoSeg:
         return Video(frames, truths)
 
     def write(self, root: Path, sequence: str, video: Video) -> None:
-        _write_images(root / sequence / "images", video.frames, "png", [])
+        _write_images(self.frames_of(root, sequence), video.frames, "png", [])
         codes = np.unique(np.concatenate([truth[truth > 0] for truth in video.truths]))
         points = np.ones((3, len(codes), len(video.frames)))
         visible = np.zeros(points.shape[1:], np.uint8)

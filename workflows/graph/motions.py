@@ -77,7 +77,7 @@ class Motions:
             "dense_tracks": window.dense_tracks(index, self._config.rigid_support.step),
             "rigidity": window.rigidity(index, self._config.rigid_support.step),
         }
-        place = {"section": index, "start": window.first_row(index)}
+        place = {"section": index, "start": window.first_row(index), **self._leaves.picture()}
         return self._nodes.add("rigid_support", inputs, "masks", **place, min_gain=objects.min_gain(index))
 
     def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:

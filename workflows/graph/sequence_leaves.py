@@ -90,10 +90,13 @@ class SequenceLeaves(NamedTuple):
         several = (self.frames, self.depth, self.flow_forward, self.flow_backward)
         return (*filter(None, single), *chain.from_iterable(filter(None, several)))
 
+    def picture(self) -> dict[str, BlackBars]:
+        """Return the place of what is computed in the picture alone: the bars around it, if there are any."""
+        return {} if self.bars is None else {"bars": self.bars}
+
     def hidden(self) -> dict[str, BlackBars | ScreenGraphics]:
         """Return the place of what is computed from the scene alone: the bars and graphics that hide some of it."""
-        hiding = {"bars": self.bars, "graphics": self.graphics}
-        return {name: value for name, value in hiding.items() if value is not None}
+        return self.picture() | ({} if self.graphics is None else {"graphics": self.graphics})
 
     def scenes(self) -> tuple["SequenceLeaves", ...]:
         """Return the leaves of each scene as those of a video of its own, without edits; these leaves without cuts."""

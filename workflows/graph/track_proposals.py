@@ -51,7 +51,7 @@ class TrackProposals:
     def cameras(self, index: int) -> str:
         """Return the reference of the cameras of the frames of a section's window, by a network."""
         first, last = self.window(index)
-        return self._nodes.add("cameras", {"frames": self._nodes.frames[first:last]})
+        return self._nodes.add("cameras", {"frames": self._nodes.frames[first:last]}, **self._leaves.picture())
 
     @cached_method
     def rigidity(self, index: int, step: int = 1) -> str:
@@ -62,7 +62,7 @@ class TrackProposals:
             inputs["cameras"] = self.cameras(index)
         elif self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in range(first, last))
-        return self._nodes.add("rigidity", inputs, step=step)
+        return self._nodes.add("rigidity", inputs, step=step, **self._leaves.picture())
 
     @cached_method
     def objects(self, index: int) -> str:
@@ -78,13 +78,14 @@ class TrackProposals:
     def surfaces(self, index: int) -> str:
         """Return the reference of the surfaces of these tracks that stand above the ground."""
         inputs = {"dense_tracks": self.dense_tracks(index), "rigidity": self.rigidity(index)}
-        return self._nodes.add("track_surfaces", inputs, shape=self._leaves.shape)
+        return self._nodes.add("track_surfaces", inputs, shape=self._leaves.shape, **self._leaves.picture())
 
     def object_points(self, index: int) -> str:
         """Return the reference of more points of these objects, followed by the objects' own motion."""
         first, last = self.window(index)
         tracks = {"dense_tracks": self.dense_tracks(index), "track_objects": self.objects(index)}
-        return self._nodes.add("object_points", {"frames": self._nodes.frames[first:last], **tracks})
+        inputs = {"frames": self._nodes.frames[first:last], **tracks}
+        return self._nodes.add("object_points", inputs, **self._leaves.picture())
 
     def proposals(self, index: int) -> str:
         """Return the reference of the masks of these objects, from the section's start to the end of the window."""

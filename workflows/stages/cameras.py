@@ -3,8 +3,10 @@
 import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import CameraParams, DepthAnything3Params
+from moseg.workflows.stages.picture import bars_of, bars_params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -25,7 +27,9 @@ def _run_rays(params, inputs, rng):
 def _estimate(build, params, inputs):
     from moseg.tasks.cameras import estimate_cameras
 
-    images = np.stack([frame.cached("image") for frame in inputs.all("frames")])
+    frames = inputs.all("frames")
+    picture = bars_of(params).picture(frames[0].shape("image")[:2])
+    images = np.stack([frame.cached("image")[picture] for frame in frames])
     camera_params = CameraParams.of_recipe(params["cameras"])
     depth_params = DepthAnything3Params.of_recipe(params["depth_anything_3"])
     with open_network(build, inputs["weights"]) as network:
@@ -33,8 +37,9 @@ def _estimate(build, params, inputs):
     return Output(found._asdict(), made_on())
 
 
-def _params(config: PipelineConfig) -> dict:
+def _params(config: PipelineConfig, bars: BlackBars | None = None) -> dict:
     return {
+        **bars_params(bars),
         "cameras": config.cameras.model_dump(mode="json", exclude={"method"}),
         "depth_anything_3": config.depth_anything_3.model_dump(mode="json", exclude={"weights"}),
         "gaps": list(config.rigidity.gaps),
@@ -52,8 +57,8 @@ STAGE = Stage(
     arrays={
         "pairs": layout("int32", "pair frame_gap", "first frame of the window, and frames to the second"),
         "pose": layout("float64", "pair row column", "[R | t] from the first to the second frame's camera"),
-        "intrinsics": layout("float64", "frame row column", "calibration matrix, px"),
-        "inverse_depth": layout("float32", "frame y x", "in the inverse of the unit of t"),
+        "intrinsics": layout("float64", "frame row column", "calibration matrix, px of the picture inside black bars"),
+        "inverse_depth": layout("float32", "frame y x", "in the inverse of the unit of t; of the picture"),
     },
     tasks=(DECODER, RAYS),
     method=lambda config: None if config.cameras.method == "tracks" else config.cameras.method,

@@ -8,6 +8,7 @@ from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import DenseTrackParams
 from moseg.schemas.screen_graphics import ScreenGraphics
 from moseg.workflows.stages.flow import read_flow
+from moseg.workflows.stages.picture import bars_of, bars_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -20,7 +21,7 @@ def _run(params, inputs, rng):
     images, forward, backward = (inputs.all(role) for role in ("frames", "flow_forward", "flow_backward"))
     dense_params = DenseTrackParams.of_recipe({name: params[name] for name in params if name not in PLACE_PARAMS})
     num_frames = len(images)
-    bars = BlackBars(**params.get("bars", {}))
+    bars = bars_of(params)
     shape = images[0].shape("image")[:2]
     picture = bars.picture(shape)
     runs = params.get("runs", {"step": num_frames, "reach": num_frames})
@@ -37,7 +38,7 @@ def _run(params, inputs, rng):
         return track_densely(frames, flows, dense_params)
 
     tracks = join_runs([track(start) for start in starts], starts, num_frames)
-    tracks.points[tracks.visible] += np.float32([bars.left, bars.top])
+    tracks.points[tracks.visible] += np.float32(bars.corner)
     points, visible = tracks
     if "graphics" in params:
         points, visible = end_hidden(points, visible, graphics_mask(ScreenGraphics(**params["graphics"]), shape))
@@ -48,9 +49,7 @@ def _params(
     config: PipelineConfig, step: int = 1, bars: BlackBars | None = None, graphics: ScreenGraphics | None = None
 ) -> dict:
     """Return the parameters of tracks of the scene alone: what hides it is filled, with corners that stand still."""
-    params = config.dense_tracks.model_dump(mode="json")
-    if bars is not None:
-        params["bars"] = bars._asdict()
+    params = config.dense_tracks.model_dump(mode="json") | bars_params(bars)
     if graphics is not None:
         params["graphics"] = graphics.as_json()
     # A run is no shorter than the pairs that choose the focal length, nor than the shortest track that is kept.

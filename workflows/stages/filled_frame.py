@@ -4,6 +4,7 @@ from moseg.schemas.arrays import LEAF_LAYOUTS
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.screen_graphics import ScreenGraphics
+from moseg.workflows.stages.picture import bars_of, bars_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -11,22 +12,22 @@ from moseg.workflows.stages.task import Output, Task
 def _run(params, inputs, rng):
     from moseg.tasks.black_bars import fill_bars
 
-    return Output({"image": fill_bars(inputs["frame"].array("image"), BlackBars(**params["bars"]))})
+    return Output({"image": fill_bars(inputs["frame"].array("image"), bars_of(params))})
 
 
 def _run_nearest(params, inputs, rng):
     from moseg.tasks.screen_graphics import fill_graphics
 
-    graphics, bars = ScreenGraphics(**params["graphics"]), BlackBars(**params.get("bars", {}))
-    return Output({"image": fill_graphics(inputs["frame"].array("image"), graphics, bars)})
+    graphics = ScreenGraphics(**params["graphics"])
+    return Output({"image": fill_graphics(inputs["frame"].array("image"), graphics, bars_of(params))})
 
 
 def _params(config: PipelineConfig, bars: BlackBars) -> dict:
-    return {"bars": bars._asdict()}
+    return bars_params(bars)
 
 
 def _nearest_params(config: PipelineConfig, graphics: ScreenGraphics, bars: BlackBars | None = None) -> dict:
-    return {"graphics": graphics.as_json()} | ({} if bars is None else _params(config, bars))
+    return {"graphics": graphics.as_json()} | bars_params(bars)
 
 
 BORDER_REPLICATED = Task(

@@ -3,9 +3,10 @@
 import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import ObjectPointParams
-from moseg.workflows.stages.moving_tracks import tracks_of
+from moseg.workflows.stages.picture import bars_of, bars_params, tracks_in_picture
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -20,18 +21,20 @@ def moving_objects(inputs) -> np.ndarray:
 def _run(params, inputs, rng):
     from moseg.tasks.object_points import follow_objects
 
-    frames = inputs.all("frames")
+    frames, bars = inputs.all("frames"), bars_of(params)
+    picture = bars.picture(frames[0].shape("image")[:2])
     found = follow_objects(
-        lambda frame: frames[frame].cached("image"),
-        *tracks_of(inputs),
+        lambda frame: frames[frame].cached("image")[picture],
+        *tracks_in_picture(inputs, bars),
         moving_objects(inputs),
-        ObjectPointParams.of_recipe(params),
+        ObjectPointParams.of_recipe({name: value for name, value in params.items() if name != "bars"}),
     )
+    found.points[found.visible] += np.float32(bars.corner)
     return Output(found._asdict())
 
 
-def _params(config: PipelineConfig) -> dict:
-    return config.object_points.model_dump(mode="json")
+def _params(config: PipelineConfig, bars: BlackBars | None = None) -> dict:
+    return config.object_points.model_dump(mode="json") | bars_params(bars)
 
 
 OBJECT_MOTION = Task("object_points", "object-motion", version=1, run=_run, params=_params)

@@ -7,6 +7,7 @@ import numpy as np
 from moseg.schemas.arrays import layout
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
+from moseg.workflows.stages.picture import bars_of, bars_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -31,7 +32,7 @@ def _masks(params, views) -> Iterator[np.ndarray]:
 
     for view, drawn in zip(views, params["drawn"], strict=True):
         mask = view.array("mask")
-        cleared = clear_bars(mask, BlackBars(**params["bars"]))
+        cleared = clear_bars(mask, bars_of(params))
         if drawn is not None:
             cleared[drawn] = mask[drawn]
         yield cleared
@@ -48,7 +49,7 @@ def _params(
     """Return the parameters; `drawn` are the rows of the edits' masks in which the user drew strokes."""
     written = [{"number": number, "erases": erases} for number, erases in brushes]
     read = {"num_frames": num_frames, "first": list(first), "brushes": written}
-    return read if bars is None else {**read, "bars": bars._asdict(), "drawn": list(drawn)}
+    return read if bars is None else {**read, **bars_params(bars), "drawn": list(drawn)}
 
 
 IN_ORDER = Task("painted", "in-order", version=2, run=_run, params=_params)

@@ -22,6 +22,7 @@ from moseg.workflows.stages.flow import read_flow
 from moseg.workflows.stages.instances import SAM3_DOCUMENTS
 from moseg.workflows.stages.moving_tracks import tracks_of
 from moseg.workflows.stages.object_points import moving_objects
+from moseg.workflows.stages.picture import bars_of, bars_params
 from moseg.workflows.stages.resident import made_on, open_network
 from moseg.workflows.stages.stage import TRANSFORMERS, Backend, Choice, Stage
 from moseg.workflows.stages.task import Network, Output, Task
@@ -166,7 +167,7 @@ def _run_inside(params, inputs, rng):
     from moseg.tasks.proposals.boxes import object_boxes
 
     scores, attributes = inputs["proposals"].array("scores"), inputs["proposals"].attributes
-    masks, kept = keep_inside(inputs["proposals"].array("masks"), len(scores), BlackBars(**params["bars"]))
+    masks, kept = keep_inside(inputs["proposals"].array("masks"), len(scores), bars_of(params))
     of_objects = {name: [attributes[name][index] for index in kept] for name in OF_OBJECTS if name in attributes}
     return Output(
         {"masks": masks, "scores": scores[kept], "boxes": object_boxes(masks, len(kept))},
@@ -195,7 +196,7 @@ def _given_params(config: PipelineConfig, start: int, stop: int, shape: tuple[in
 
 
 def _inside_params(config: PipelineConfig, bars: BlackBars) -> dict:
-    return {"bars": bars._asdict()}
+    return bars_params(bars)
 
 
 def _deaot_params(config: PipelineConfig) -> dict:

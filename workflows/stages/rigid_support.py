@@ -3,9 +3,10 @@
 import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
-from moseg.workflows.stages.moving_tracks import tracks_of
+from moseg.workflows.stages.picture import bars_of, bars_params, tracks_in_picture
 from moseg.workflows.stages.rigidity import cameras_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -20,8 +21,9 @@ def _run_masks(params, inputs, rng):
     from moseg.tasks.rigid_support import measure_objects, support_of_evidence
 
     identity, num_objects = _identities(params, inputs)
-    labels = identity[inputs["proposals"].array("masks")]
-    points, visible = tracks_of(inputs)
+    masks, bars = inputs["proposals"].array("masks"), bars_of(params)
+    labels = identity[masks[(slice(None), *bars.picture(masks.shape[1:]))]]
+    points, visible = tracks_in_picture(inputs, bars)
     rigidity, start = inputs["rigidity"], params["start"]
     pairs = rigidity.array("pairs")
     in_section = np.flatnonzero(pairs[:, 0] >= start)
@@ -57,8 +59,11 @@ def _identities(params, inputs) -> tuple[np.ndarray, int]:
     return inputs["linking"].cached("identity")[params["section"]], inputs["linking"].attributes["num_objects"]
 
 
-def _mask_params(config: PipelineConfig, section: int, start: int, min_gain: float) -> dict:
+def _mask_params(
+    config: PipelineConfig, section: int, start: int, min_gain: float, bars: BlackBars | None = None
+) -> dict:
     return {
+        **bars_params(bars),
         "section": section,
         "start": start,
         "min_gain": min_gain,

@@ -3,9 +3,11 @@
 import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import RigidityParams
 from moseg.workflows.stages.inputs import ArtifactView
+from moseg.workflows.stages.picture import bars_of, bars_params, tracks_in_picture
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -13,14 +15,15 @@ DEPTH_PARAMS = frozenset(name for name in RigidityParams.model_fields if name.st
 """Parameters that only a configuration with depth or cameras reads."""
 CAMERA_PARAMS = frozenset(name for name in RigidityParams.model_fields if name.startswith("camera_"))
 """Parameters that only a configuration with cameras reads."""
+PLACE_PARAMS = frozenset({"step", "bars"})
+"""Parameters of the recipe that depend on the frames."""
 
 
 def _run(params, inputs, rng):
     from moseg.tasks.rigidity import TRACK_EVIDENCE, estimate_rigidity
 
-    tracks = inputs["dense_tracks"]
-    frames = (frame.cached("image") for frame in inputs.all("frames"))
-    points, visible = tracks.array("points"), tracks.array("visible")
+    frames, bars = inputs.all("frames"), bars_of(params)
+    picture = bars.picture(frames[0].shape("image")[:2])
     cameras, depth_of = None, None
     if "cameras" in inputs:
         cameras, depth_of = _given_cameras(inputs["cameras"]), inputs["cameras"].row_reader("inverse_depth")
@@ -28,11 +31,12 @@ def _run(params, inputs, rng):
         depths = inputs.all("depth")
 
         def depth_of(frame):
-            return depths[frame].cached("inverse_depth")
+            return depths[frame].cached("inverse_depth")[picture]
 
     step = params.get("step", 1)
-    rigidity = {name: value for name, value in params.items() if name != "step"}
-    result = estimate_rigidity(frames, points, visible, RigidityParams.of_recipe(rigidity), depth_of, step, cameras)
+    rigidity = RigidityParams.of_recipe({name: value for name, value in params.items() if name not in PLACE_PARAMS})
+    images = (frame.cached("image")[picture] for frame in frames)
+    result = estimate_rigidity(images, *tracks_in_picture(inputs, bars), rigidity, depth_of, step, cameras)
     arrays = {name: getattr(result, name) for name in ("pairs", *TRACK_EVIDENCE)}
     return Output(arrays, {"focal": result.focal, "cameras": [_camera(pair) for pair in result.evidence]})
 
@@ -47,7 +51,10 @@ def _given_cameras(view: ArtifactView):
 
 
 def cameras_of(rigidity: ArtifactView, shape: tuple[int, int]) -> list:
-    """Return the camera's motion in each pair of a rigidity artifact, a list of `CameraMotion`."""
+    """Return the camera's motion in each pair of a rigidity artifact, a list of `CameraMotion`.
+
+    `shape` is the (y, x) of the frames, or of the picture inside their black bars.
+    """
     from moseg.tasks.geometry.camera_motion import CameraMotion
 
     attributes = rigidity.attributes
@@ -58,7 +65,10 @@ def cameras_of(rigidity: ArtifactView, shape: tuple[int, int]) -> list:
 
 
 def grounds_of(rigidity: ArtifactView) -> list:
-    """Return the ground seen in each pair of a rigidity artifact, a list of `Ground`, or None where none was."""
+    """Return the ground seen in each pair of a rigidity artifact, a list of `Ground`, or None where none was.
+
+    In pixels of the picture inside black bars.
+    """
     from moseg.tasks.rigidity.ground import Ground
 
     grounds = (pair["ground"] for pair in rigidity.attributes["cameras"])
@@ -75,12 +85,12 @@ def _camera(pair) -> dict:
     }
 
 
-def _params(config: PipelineConfig, step: int = 1) -> dict:
+def _params(config: PipelineConfig, step: int = 1, bars: BlackBars | None = None) -> dict:
     has_cameras = config.cameras.method != "tracks"
     unread = set() if has_cameras else CAMERA_PARAMS
     if not has_cameras and config.depth.method == "none":
         unread |= DEPTH_PARAMS
-    params = config.rigidity.model_dump(mode="json", exclude=unread)
+    params = config.rigidity.model_dump(mode="json", exclude=unread) | bars_params(bars)
     return params if step == 1 else {**params, "step": step}
 
 

@@ -1,11 +1,10 @@
 """Scene parallax: the camera's motion in a stretch of video, the source of proposals that suits it, and its depth."""
 
-import numpy as np
-
 from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import BY_CAMERA, PipelineConfig
 from moseg.schemas.parameters import RigidityParams, SceneParallaxParams
 from moseg.schemas.screen_graphics import ScreenGraphics
+from moseg.workflows.stages.picture import bars_of, bars_params
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -24,12 +23,12 @@ def _run(params, inputs, rng):
 
     parallax_params = SceneParallaxParams.of_recipe(params["scene_parallax"])
     frames = inputs.all("frames")
-    shape, bars = frames[0].cached("image").shape[:2], BlackBars(**params.get("bars", {}))
-    picture, corner = bars.picture(shape), np.array([bars.left, bars.top])
+    frame_shape, bars = frames[0].cached("image").shape[:2], bars_of(params)
+    picture, shape = bars.picture(frame_shape), bars.picture_shape(frame_shape)
     runs = ([frame.cached("image")[picture] for frame in frames[first : last + 1]] for first, last in params["pairs"])
-    pairs = [tuple(points + corner for points in follow_corners(run, parallax_params)) for run in runs]
+    pairs = [follow_corners(run, parallax_params) for run in runs]
     if "graphics" in params:
-        hidden = graphics_mask(ScreenGraphics(**params["graphics"]), shape)
+        hidden = graphics_mask(ScreenGraphics(**params["graphics"]), frame_shape)[picture]
         pairs = [pairs_outside(pair, hidden) for pair in pairs]
     evidence = measure_pairs(pairs, shape, parallax_params, RigidityParams.of_recipe(params["rigidity"]))
     num_still = count_still(pairs, shape, parallax_params)
@@ -44,7 +43,7 @@ def _params(
 ) -> dict:
     """Return the parameters of pairs of frames, whose corners are those of the scene where something hides it."""
     return {
-        **({} if bars is None else {"bars": bars._asdict()}),
+        **bars_params(bars),
         **({} if graphics is None else {"graphics": graphics.as_json()}),
         "pairs": [list(pair) for pair in pairs],
         "scene_parallax": config.scene_parallax.model_dump(mode="json", exclude=PLACE_PARAMS),
@@ -52,7 +51,7 @@ def _params(
     }
 
 
-EPIPOLAR = Task("scene_parallax", "epipolar", version=4, run=_run, params=_params)
+EPIPOLAR = Task("scene_parallax", "epipolar", version=5, run=_run, params=_params)
 
 STAGE = Stage(
     name="scene_parallax",

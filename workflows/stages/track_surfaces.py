@@ -3,9 +3,10 @@
 import numpy as np
 
 from moseg.schemas.arrays import layout
+from moseg.schemas.black_bars import BlackBars
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import RigidityParams, TrackSurfaceParams
-from moseg.workflows.stages.moving_tracks import tracks_of
+from moseg.workflows.stages.picture import bars_of, bars_params, tracks_in_picture
 from moseg.workflows.stages.rigidity import cameras_of, grounds_of
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
@@ -23,7 +24,7 @@ def _run(params, inputs, rng):
 
     rigidity, shape = inputs["rigidity"], tuple(params["shape"])
     surface = find_surfaces(
-        *tracks_of(inputs),
+        *tracks_in_picture(inputs, bars_of(params)),
         rigidity.array("pairs"),
         cameras_of(rigidity, shape),
         grounds_of(rigidity),
@@ -34,9 +35,10 @@ def _run(params, inputs, rng):
     return Output({"surface": surface}, {"num_tracks": np.bincount(surface)[1:].tolist()})
 
 
-def _params(config: PipelineConfig, shape: tuple[int, int]) -> dict:
+def _params(config: PipelineConfig, shape: tuple[int, int], bars: BlackBars | None = None) -> dict:
     return {
-        "shape": list(shape),
+        "shape": list(shape if bars is None else bars.picture_shape(shape)),
+        **bars_params(bars),
         "surfaces": config.track_surfaces.model_dump(mode="json", exclude=MASK_PARAMS | COUNT_PARAMS),
         "rigidity": config.rigidity.model_dump(mode="json", include=READ_RIGIDITY),
     }
