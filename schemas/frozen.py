@@ -1,11 +1,13 @@
 """The base class of all schemas: frozen, without unknown fields, finite."""
 
-from collections.abc import Mapping
-from typing import Any, Self
+from collections.abc import Callable, Mapping
+from typing import Any, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
 from moseg.schemas.errors import UnnamedParameterError
+
+Model = TypeVar("Model", bound=BaseModel)
 
 
 class Frozen(BaseModel):
@@ -51,3 +53,18 @@ def _drop_defaults(params: BaseModel) -> None:
             del params.__dict__[name]
         elif isinstance(params.__dict__[name], BaseModel):
             _drop_defaults(params.__dict__[name])
+
+
+def with_defaults(**values: Any) -> Callable[[type[Model]], type[Model]]:
+    """Return a decorator of a model class that gives inherited fields other defaults.
+
+    Unlike the values of a default instance of the base, they hold for what is not given beside values that are.
+    """
+
+    def change(model: type[Model]) -> type[Model]:
+        for name, value in values.items():
+            model.model_fields[name].default = value
+        model.model_rebuild(force=True)
+        return model
+
+    return change

@@ -18,6 +18,8 @@ _BESIDE = np.array([[x, y] for y in (-0.25, 0, 0.25) for x in (-0.25, 0, 0.25)],
 """Offsets of a tracked position to a quarter of a pixel, px."""
 _REFINEMENTS = (0.5, 0.25)
 """Steps along the epipolar line after the first search at whole pixels, px."""
+_FLOOR = 1e-6
+"""Squared grey levels; frames without any contrast have no noise either."""
 _TOGETHER = 64
 """Tracks whose patches are compared at a time: they fit into the processor's cache."""
 
@@ -67,12 +69,14 @@ def compare_patches(
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
         as well, 1 where it is worse by as much as the tracked position itself. In the second column m1 is no larger
         than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid position.
+        The noise is `params.test_noise`, and less in frames that are darker than by day, whose differences are less.
     """
     image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half
     offsets = np.arange(-size, size + 1, dtype=np.float32)
     offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
     parts = _parts(offset_x, offset_y)
+    noise = min(params.test_noise, params.test_contrast * _contrast(image0, 2 * size + 1))
     result = np.zeros((len(rows), 2))
     for start in range(0, len(rows), _TOGETHER):
         part = rows[start : start + _TOGETHER]
@@ -85,7 +89,7 @@ def compare_patches(
         whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
         pairs = [(half0 + half1) / 2 for half0, half1 in zip(halves[::2], halves[1::2], strict=True)]
         rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)
-        result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (params.test_noise**2 + tracked[:, None])
+        result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (noise**2 + tracked[:, None] + _FLOOR)
     return np.clip(result, -1, params.test_limit)
 
 
@@ -108,6 +112,12 @@ def _best_rigid(differ, parallax: Parallax, allowed: AllowedParallax, rows, para
         best = steps[track, difference[..., 0].argmin(axis=1) // len(beside)][:, None]
         least = np.minimum(least, difference.min(axis=1))
     return least
+
+
+def _contrast(image: np.ndarray, side: int) -> float:
+    """Return the mean, over an image float32 (y, x), of the standard deviation in squares of `side` px."""
+    mean, square = (cv2.blur(each, (side, side)) for each in (image, image * image))
+    return float(np.sqrt(np.maximum(square - mean * mean, 0)).mean())
 
 
 def _parts(offset_x: np.ndarray, offset_y: np.ndarray) -> np.ndarray:

@@ -4,6 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+PAIRS_PER_FRAME = 1.7
+"""Frame pairs in a frame of the windows with which smallest scores were chosen: 34 pairs, 2 and 4 frames apart, in 20
+frames."""
+
 
 class GroupScores(NamedTuple):
     """Evidence of G groups of tracks, from group 0.
@@ -11,7 +15,8 @@ class GroupScores(NamedTuple):
     Attributes
     ----------
     score : float64 (G,)
-        `strength` times `test`, divided by the number of frames of the window.
+        `strength` times `test`, per frame: divided by the number of frame pairs, of which `PAIRS_PER_FRAME` are a
+        frame. Short windows have fewer pairs in a frame, and so has another choice of pairs.
     strength : float64 (G,)
         Sum of the median errors over the tracks and frame pairs, in tolerances.
     test : float64 (G,)
@@ -65,7 +70,7 @@ def score_groups(
 
     strength, test = total(strength), total(test) / np.maximum(total(seen.sum(axis=0)), 1)
     return GroupScores(
-        score=strength * test / max(visible.shape[1], 1),
+        score=strength * test * PAIRS_PER_FRAME / max(len(errors), 1),
         strength=strength,
         test=test,
         num_tracks=np.bincount(group, minlength=num_groups),

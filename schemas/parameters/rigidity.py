@@ -175,6 +175,12 @@ class RigidityParams(Frozen):
     test_noise: Annotated[float, Unit.GREY_LEVELS] = Field(
         2.0, gt=0, description="noise of a patch, grey levels: difference of two patches of the same surface"
     )
+    test_contrast: Annotated[float, Unit.SHARE] = Field(
+        0.25,
+        gt=0,
+        description="largest noise as a share of the frame's contrast, the mean standard deviation in a patch: dark"
+        " frames have less of both",
+    )
     test_limit: Annotated[float, Unit.RATIO] = Field(
         3.0, gt=0, description="largest result of the comparison: how much worse the best rigid position is"
     )

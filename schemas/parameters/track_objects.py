@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator
 
 from moseg.schemas.choices import ChoiceOf
-from moseg.schemas.frozen import Frozen
+from moseg.schemas.frozen import Frozen, with_defaults
 from moseg.schemas.parameters.comma_separated import check_models, split_commas
 from moseg.schemas.parameters.trajectories import (
     EnergyParams,
@@ -55,7 +55,7 @@ class TrackFieldParams(Frozen):
 
 
 class CandidateParams(Frozen):
-    """Candidates: moving tracks joined because they are near and move alike. Scores are per frame of the window."""
+    """Candidates: moving tracks joined because they are near and move alike. Scores are per frame, of 1.7 pairs."""
 
     radius: Annotated[float, Unit.PIXELS] = Field(
         30.0, gt=0, description="largest distance in a frame of two tracks that are joined, px"
@@ -81,7 +81,10 @@ class CandidateParams(Frozen):
         9, ge=1, description="smallest number of observations of a candidate, summed over its tracks and frames"
     )
     max_error: Annotated[float, Unit.RATIO] = Field(
-        12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
+        12.0,
+        gt=0,
+        description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score; the patch"
+        " test limits errors to 5.5 by default, the square root of rigidity.test_gain times rigidity.test_limit",
     )
     min_score: Annotated[float, Unit.RATIO] = Field(4.0, ge=0, description="smallest score of a candidate")
     min_test: Annotated[float, Unit.RATIO] = Field(
@@ -89,6 +92,30 @@ class CandidateParams(Frozen):
     )
 
 
+@with_defaults(
+    gaps=(3,),
+    least_unit=0.15,
+    cut_weight=0.85,
+    coding_weight=0.0,
+    motion_weight=0.01,
+    chance_weight=0.0,
+    free_motions=0,
+)
+class TrackEnergyParams(EnergyParams):
+    """Energy of a grouping of dense tracks: without coding length, whose effects on them are not measured."""
+
+
+@with_defaults(counts=(6, 8, 10), merged="middle")
+class TrackPieceParams(PieceParams):
+    """Pieces that groupings of dense tracks are merged from."""
+
+
+@with_defaults(min_gap=0.0)
+class TrackSeparationParams(SeparationParams):
+    """Motions of dense tracks are not asked to be apart, the effects of which are not measured."""
+
+
+@with_defaults(num_refined=0, min_tracks=1)
 class TrackClusteringParams(TrajectoryClusteringParams):
     """Clustering of a sample of dense tracks, whose number of motions is found from one draw of hypotheses."""
 
@@ -97,25 +124,9 @@ class TrackClusteringParams(TrajectoryClusteringParams):
         description="method for the number of motions: minimal energy, the methods of clustering.auto on the best"
         " groupings but stability, which compares several draws, or the largest gap of the mean kernel's spectrum",
     )
-
-
-_TWO_FRAMES = TrackClusteringParams(
-    energy=EnergyParams(
-        gaps=(3,),
-        least_unit=0.15,
-        cut_weight=0.85,
-        coding_weight=0.0,
-        motion_weight=0.01,
-        chance_weight=0.0,
-        free_motions=0,
-    ),
-    pieces=PieceParams(counts=(6, 8, 10), merged="middle"),
-    num_refined=0,
-    min_tracks=1,
-    separation=SeparationParams(min_gap=0),
-)
-"""Grouping without coding length, search and distance of separate motions, and with other numbers of pieces: effects
-on the tracks of a video are not measured."""
+    energy: TrackEnergyParams = TrackEnergyParams()
+    pieces: TrackPieceParams = TrackPieceParams()
+    separation: TrackSeparationParams = TrackSeparationParams()
 
 
 class TrackGroupParams(Frozen):
@@ -153,7 +164,7 @@ class TrackGroupParams(Frozen):
         100, ge=1, description="minimal samples of each model in each pair of frames"
     )
     kernel: KernelParams = KernelParams()
-    clustering: TrackClusteringParams = _TWO_FRAMES
+    clustering: TrackClusteringParams = TrackClusteringParams()
 
     _split_models = field_validator("models", mode="before")(split_commas)
     _check_models = field_validator("models")(check_models)
@@ -217,13 +228,16 @@ class TrackObjectParams(Frozen):
         20, ge=1, description="smallest number of observations of an object, summed over its tracks and frames"
     )
     max_error: Annotated[float, Unit.RATIO] = Field(
-        12.0, gt=0, description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score"
+        12.0,
+        gt=0,
+        description="median error in a frame pair, in tolerances, beyond which it adds nothing to the score; the patch"
+        " test limits errors to 5.5 by default, the square root of rigidity.test_gain times rigidity.test_limit",
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
         4.0,
         ge=0,
-        description="smallest score of a moving object: its summed errors times its mean strict test, per frame of"
-        " the window; lower finds more, and more that does not move",
+        description="smallest score of a moving object: its summed errors times its mean strict test, per frame, of"
+        " 1.7 pairs; lower finds more, and more that does not move",
     )
     min_part: Annotated[float, Unit.SHARE] = Field(
         0.7,

@@ -2,7 +2,9 @@
 
 import pytest
 
+from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.errors import UnnamedParameterError
+from moseg.schemas.frozen import Frozen
 from moseg.schemas.parameters import ClusteringParams
 
 
@@ -24,3 +26,30 @@ def test_other_names_are_still_refused_and_no_attribute_is_made_up():
         ClusteringParams.of_recipe({"no_such": 1})
     with pytest.raises(AttributeError, match="no_such"):
         _ = ClusteringParams().no_such
+
+
+def _defaults(model, path=()):
+    """Yield the path, the default and the class of every nested model of a configuration."""
+    for name, field in model.model_fields.items():
+        default = field.get_default(call_default_factory=True)
+        if isinstance(default, Frozen):
+            yield (*path, name), default, type(default)
+            yield from _defaults(type(default), (*path, name))
+
+
+def test_a_parameter_that_is_given_leaves_those_beside_it_at_their_defaults():
+    """A default that is no plain instance of its class would be lost as soon as one of its values is given."""
+    defaults = [*_defaults(PipelineConfig)]
+    assert (("track_groups", "clustering", "energy")) in [path for path, _, _ in defaults]
+    for path, default, model in defaults:
+        assert default == model(), ".".join(path)
+
+
+def test_a_part_of_the_energy_of_dense_tracks_keeps_the_rest():
+    given = {"track_groups": {"clustering": {"energy": {"cut_weight": 0.9}}}}
+    default, changed = (
+        PipelineConfig.model_validate(values).track_groups.clustering.model_dump() for values in ({}, given)
+    )
+    assert default["energy"].pop("cut_weight") != changed["energy"].pop("cut_weight") == 0.9
+    assert default == changed
+    assert default["energy"]["gaps"] != PipelineConfig().trajectory_clustering.energy.gaps

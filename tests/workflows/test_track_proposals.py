@@ -179,6 +179,34 @@ def test_points_of_objects_vote_for_masks(squares, tmp_path, monkeypatch):
         assert (masks[:, place, place] > 0).all() == any(is_moving)
 
 
+def test_static_candidates_are_looked_for_among_the_tracks_that_the_section_shows(squares, tmp_path, monkeypatch):
+    """The window of the last section begins before it."""
+    from moseg.tasks import track_objects
+    from moseg.workflows.cli.app import run
+
+    given, chosen = [], track_objects.static_candidates
+
+    def static_candidates(objects, is_moving, surface, max_candidates):
+        given.append((objects > 0) | (surface > 0))
+        return chosen(objects, is_moving, surface, max_candidates)
+
+    monkeypatch.setattr(track_objects, "static_candidates", static_candidates)
+    arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")
+    arguments += ("--proposals", "tracks", "--set", "dense_tracks.min_frames=2", "--workers", "0")
+    assert run([*arguments, "--store", str(tmp_path / "store")]) == 0
+    store = open_store(str(tmp_path / "store"), create=False)
+    recipes = [store.manifest(ref).recipe for ref in store.refs("proposals")]
+    seen = []
+    for recipe in recipes:
+        visible = store.read(recipe.inputs["dense_tracks"], "visible")
+        start = recipe.params["start"]
+        seen.append(visible[:, start : start + len(recipe.inputs["frames"])].any(axis=1))
+    assert any(not each.all() for each in seen)
+    unseen = {len(each): ~each for each in seen}
+    assert len(given) == len(seen) and all(not (each & unseen[len(each)]).any() for each in given)
+    assert any(each.any() for each in given)
+
+
 def test_proposals_are_objects_and_surfaces_that_have_pixels(evaluated_tracks):
     store, _ = evaluated_tracks
     refs = list(store.refs("proposals"))

@@ -39,7 +39,7 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-MEAN_FIELD = Task("moving_tracks", "mean-field", version=1, run=_run, params=_params)
+MEAN_FIELD = Task("moving_tracks", "mean-field", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="moving_tracks",

@@ -73,9 +73,11 @@ def _run_tracks(params, inputs, rng):
         RefinementParams.of_recipe(params["refinement"]),
     )
     surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
-    surface = inputs["track_surfaces"].array("surface")
-    still = static_candidates(objects, is_moving, surface, params["max_static"])
     labelled = range(params["start"], params["start"] + len(masks))
+    # What is seen in other frames of the window alone has no pixels here.
+    is_seen = visible[:, labelled].any(axis=1)
+    surface = inputs["track_surfaces"].array("surface")
+    still = static_candidates(objects * is_seen, is_moving, surface * is_seen, params["max_static"])
     behind = surface_masks(masks.shape[1:], points, visible, still, labelled, surface_params)
     masks, candidates = number_seen(np.where(masks > 0, masks, behind))
     # Surfaces have no score: there is no evidence that they move.
@@ -227,7 +229,7 @@ def _method(config: PipelineConfig) -> str:
 
 
 SALIENCY = Task("proposals", "saliency", version=4, run=_run_saliency, params=_saliency_params)
-DENSE_TRACKS = Task("proposals", "tracks", version=4, run=_run_tracks, params=_track_params)
+DENSE_TRACKS = Task("proposals", "tracks", version=5, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)
 DEAOT = Task(

@@ -33,7 +33,7 @@ def _params(config: PipelineConfig) -> dict:
     }
 
 
-ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=6, run=_run, params=_params)
+ABSOLUTE_EVIDENCE = Task("track_objects", "absolute-evidence", version=7, run=_run, params=_params)
 
 STAGE = Stage(
     name="track_objects",

@@ -107,6 +107,20 @@ def test_a_change_of_brightness_changes_nothing(compare, image):
     np.testing.assert_allclose(*found, atol=1e-3)
 
 
+def test_the_light_changes_little(compare, image):
+    """Noise of a fixed number of grey levels would excuse most of what moves in the dark."""
+    moved = np.roll(image, (2, 3), axis=(0, 1))
+    by_day, dark, fixed = (
+        np.median(compare(None, (3.0, 2.5), images=images, params=params), axis=0)
+        for images, params in (
+            ((image, moved), PARAMS),
+            ((image // 25, moved // 25), PARAMS),
+            ((image // 25, moved // 25), RigidityParams(test_contrast=10.0)),
+        )
+    )
+    assert (dark > 0.7 * by_day).all() and (fixed < 0.5 * by_day).all() and (by_day > 0.5).all()
+
+
 @pytest.mark.parametrize(("name", "largest"), [("test_span", 255), ("test_half", 90)])
 def test_the_largest_patch_and_the_longest_search_can_be_compared(compare, name, largest):
     params = RigidityParams(**{"test_span": 1, "test_half": 1, name: largest})

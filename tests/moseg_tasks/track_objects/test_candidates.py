@@ -6,10 +6,12 @@ import pytest
 from moseg.schemas.parameters import CandidateParams
 from moseg.tasks.track_objects import PairEvidence, find_candidates
 from moseg.tasks.track_objects.candidates import join_tracks
+from moseg.tasks.track_objects.score import PAIRS_PER_FRAME
 
 PARAMS = CandidateParams()
 CAR = ((100, 60), 5, (-3.0, 0.0), 2.0)
 VAN = ((150, 60), 5, (4.0, 1.0), 2.0)
+CAR_SCORE = 25 * 4 * 2 * PAIRS_PER_FRAME
 FAR_CAR = ((200, 120), 5, (-3.0, 0.0), 2.0)
 
 
@@ -65,10 +67,10 @@ def test_only_tracks_that_move_are_candidates(drive):
     [
         ({"min_tracks": 25}, {"min_tracks": 26}),
         ({"min_observations": 25 * 8}, {"min_observations": 25 * 8 + 1}),
-        # 25 tracks with an error of 4 and a test of 2 in 6 pairs, over 8 frames.
-        ({"min_score": 25 * 6 * 4 * 2 / 8}, {"min_score": 25 * 6 * 4 * 2 / 8 + 0.1}),
+        # 25 tracks with an error of 4 and a test of 2 in each pair.
+        ({"min_score": CAR_SCORE - 0.1}, {"min_score": CAR_SCORE + 0.1}),
         ({"min_test": 2.0}, {"min_test": 2.1}),
-        ({"min_score": 25 * 6 * 3 * 2 / 8, "max_error": 3.0}, {"min_score": 120.0, "max_error": 3.0}),
+        ({"min_score": 0.75 * CAR_SCORE - 0.1, "max_error": 3.0}, {"min_score": 0.8 * CAR_SCORE, "max_error": 3.0}),
     ],
 )
 def test_groups_below_a_threshold_are_no_candidates(drive, smallest, too_large):
