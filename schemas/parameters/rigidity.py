@@ -176,7 +176,7 @@ class RigidityParams(Frozen):
         2.0, gt=0, description="noise of a patch, grey levels: difference of two patches of the same surface"
     )
     test_contrast: Annotated[float, Unit.SHARE] = Field(
-        0.25,
+        0.6,
         gt=0,
         description="largest noise as a share of the frame's contrast, the mean standard deviation in a patch: dark"
         " frames have less of both",

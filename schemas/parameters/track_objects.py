@@ -88,7 +88,7 @@ class CandidateParams(Frozen):
     )
     min_score: Annotated[float, Unit.RATIO] = Field(4.0, ge=0, description="smallest score of a candidate")
     min_test: Annotated[float, Unit.RATIO] = Field(
-        0.6, ge=-1, le=3, description="smallest mean rigidity test of a candidate"
+        0.5, ge=-1, le=3, description="smallest mean rigidity test of a candidate"
     )
 
 
