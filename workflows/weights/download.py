@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.error import HTTPError
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, StoreError
+from moseg.workflows.process.atomic_write import blame_output
 from moseg.workflows.weights.connection import TRANSIENT, explain, open_url, retry_after_sec
 from moseg.workflows.weights.pins import sha256_of
 
@@ -81,7 +82,9 @@ def download(
     ------
     InputError
         The server cannot be reached, gives no access, has no such file or sends another one; the connection is cut
-        repeatedly; the disk is full or cannot be written. `target` is then as it was before.
+        repeatedly; the folder cannot be written. `target` is then as it was before, as it is with the next error.
+    StoreError
+        The disk is full or fails.
     """
     partial = target.with_name(target.name + PARTIAL_SUFFIX)
     # The rest of an earlier download may be damaged: then the file is downloaded once more from its beginning.
@@ -98,10 +101,8 @@ def download(
             expected = f"{expected}; what was downloaded is deleted"
             raise InputError("a wrong file was downloaded", where=source.url, got=got, expected=expected)
     record(found)
-    try:
+    with blame_output(target):
         os.replace(partial, target)
-    except OSError as error:
-        raise InputError("cannot write", where=target, got=error.strerror) from error
     return found
 
 
@@ -187,21 +188,18 @@ class _Transfer:
         free = shutil.disk_usage(self._partial.parent).free
         if response.length is not None and response.length > free:
             where, expected = self._partial.parent, f"{response.length} bytes"
-            raise InputError("no room on the disk", where=where, got=f"{free} bytes free", expected=expected)
+            raise StoreError("no room on the disk", where=where, got=f"{free} bytes free", expected=expected)
         done = start
-        try:
-            with open(self._partial, "ab" if start else "wb") as file:
+        with blame_output(self._partial), open(self._partial, "ab" if start else "wb") as file:
+            self._report(done, total)
+            while chunk := _read(response):
+                file.write(chunk)
+                done += len(chunk)
                 self._report(done, total)
-                while chunk := _read(response):
-                    file.write(chunk)
-                    done += len(chunk)
-                    self._report(done, total)
-                    if self._source.size is not None and done > self._source.size:
-                        break
-                file.flush()
-                os.fsync(file.fileno())
-        except OSError as error:
-            raise InputError("cannot write", where=self._partial, got=error.strerror) from error
+                if self._source.size is not None and done > self._source.size:
+                    break
+            file.flush()
+            os.fsync(file.fileno())
         # A server that does not send the length ends a complete and a cut response alike.
         whole = self._source.size if total is None else total
         if whole is not None and done < whole:

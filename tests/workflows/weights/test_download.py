@@ -9,7 +9,7 @@ from urllib.error import HTTPError
 
 import pytest
 
-from moseg.schemas.errors import InputError
+from moseg.schemas.errors import InputError, StoreError
 from moseg.workflows.weights.connection import _Redirects
 from moseg.workflows.weights.download import CHUNK_BYTES, Retries, Source, download
 
@@ -365,7 +365,7 @@ def test_a_full_disk_is_noticed_before_the_download(server, fetch, tmp_path, mon
     usage = type("Usage", (), {"free": 1000})
     monkeypatch.setattr("moseg.workflows.weights.download.shutil.disk_usage", lambda path: usage)
     with pytest.raises(
-        InputError, match=f"no room on the disk in .*got 1000 bytes free; expected {len(CONTENT)} bytes"
+        StoreError, match=f"no room on the disk in .*got 1000 bytes free; expected {len(CONTENT)} bytes"
     ):
         fetch()
 
@@ -377,7 +377,7 @@ def test_a_disk_that_fills_up_is_named(server, fetch, tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr("moseg.workflows.weights.download.os.fsync", fail)
-    with pytest.raises(InputError, match=r"cannot write in .*net.pth.partial; got No space left on device"):
+    with pytest.raises(StoreError, match=r"cannot write in .*net.pth.partial; got No space left on device"):
         fetch()
 
 
