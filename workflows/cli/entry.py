@@ -1,6 +1,8 @@
 """The console script: the command line with everything around it that a shell sees."""
 
+import codecs
 import io
+import json
 import os
 import signal
 import sys
@@ -10,6 +12,8 @@ from collections.abc import Callable
 from functools import partial
 
 EXIT_FAULT, EXIT_INTERRUPTED, EXIT_TERMINATED = 1, 130, 143
+_SPELLED = "moseg-spelled"
+"""Name of the handling of characters that an encoding lacks."""
 _KEPT = "what was finished is kept, the same command goes on from there"
 
 
@@ -96,10 +100,18 @@ def _send_until_handled(number: int, num_received: int) -> None:
 
 def _spell_other_characters() -> None:
     """Make standard output and error spell characters that their encoding lacks, such as ``\\u30af`` in Latin-1."""
+    codecs.register_error(_SPELLED, _spell)
     for stream in (sys.stdout, sys.stderr):
         # Other ways of handling them are the user's choice, or the locale's.
         if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
-            stream.reconfigure(errors="backslashreplace")
+            stream.reconfigure(errors=_SPELLED)
+
+
+def _spell(error: UnicodeError) -> tuple[str, int]:
+    """Return what stands for characters that cannot be encoded, and where they end: escapes that JSON has too."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return json.dumps(error.object[error.start : error.end])[1:-1], error.end
 
 
 def _flush(code: int) -> int:

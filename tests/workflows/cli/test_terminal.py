@@ -1,5 +1,6 @@
 """Progress as a person sees it, and ends as a shell sees them: Ctrl-C, a reader that goes, a closed output."""
 
+import json
 import re
 import subprocess
 import sys
@@ -211,6 +212,16 @@ def test_a_closed_or_full_output_is_told_in_one_line_or_none(evaluated):
     assert ran.returncode == 1
     (line,) = ran.stderr.decode().splitlines()
     assert "No space left" in line
+
+
+def test_json_on_an_output_that_lacks_characters_is_still_json(in_process, evaluated):
+    place = Path("é-🎬")
+    place.symlink_to(evaluated.store)
+    ref = next(iter(open_store(str(place), create=False).refs("score")))
+    shown = in_process("store", "show", ref, "--store", place, "--no-downstream", env={"PYTHONIOENCODING": "ascii"})
+    assert shown.returncode == 0, shown.stderr
+    assert r"\u00e9-\ud83c\udfac" in shown.stdout
+    assert "/é-🎬/" in json.loads(shown.stdout)["place"]
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "ascii:strict"])
