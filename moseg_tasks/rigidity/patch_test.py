@@ -19,7 +19,7 @@ _BESIDE = np.array([[x, y] for y in (-0.25, 0, 0.25) for x in (-0.25, 0, 0.25)],
 _REFINEMENTS = (0.5, 0.25)
 """Steps along the epipolar line after the first search at whole pixels, px."""
 _FLOOR = 1e-6
-"""Squared grey levels; frames without any contrast have no noise either."""
+"""Squared grey levels; in a frame without contrast noise is zero, and all differences are."""
 _TOGETHER = 64
 """Tracks whose patches are compared at a time: they fit into the processor's cache."""
 
@@ -69,7 +69,7 @@ def compare_patches(
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
         as well, 1 where it is worse by as much as the tracked position itself. In the second column m1 is no larger
         than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid position.
-        The noise is `params.test_noise`, and less in frames that are darker than by day, whose differences are less.
+        The noise is `params.test_noise`, but at most `params.test_contrast` times the contrast of the first frame.
     """
     image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half

@@ -112,7 +112,7 @@ class TrackPieceParams(PieceParams):
 
 @with_defaults(min_gap=0.0)
 class TrackSeparationParams(SeparationParams):
-    """Motions of dense tracks are not asked to be apart, the effects of which are not measured."""
+    """Separation of the motions of dense tracks, which need not be apart: effects of that are not measured."""
 
 
 @with_defaults(num_refined=0, min_tracks=1)
