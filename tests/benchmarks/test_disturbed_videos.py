@@ -67,6 +67,18 @@ def test_labelled_points_go_with_their_pixels(road, tmp_path, name, moving, hidd
     assert len(list((tmp_path / "out" / "Seq005_Clip01" / "images").iterdir())) == len(moving)
 
 
+def test_points_go_with_the_picture_into_a_canvas(road, tmp_path):
+    from layouts import LAYOUTS
+
+    layout = LAYOUTS["kt3dinsmoseg"]
+    points, visible, _ = _disturbed(layout, road, tmp_path / "out", "canvas")
+    # 40 px of 53.
+    assert points[0, 1].tolist() == [12, 13, 14, 15] and (points[1, 1] == 9).all() and visible[1].all()
+    frames = layout.read(tmp_path / "out", "Seq005_Clip01").frames
+    assert all(frame.shape == (30, 54, 3) for frame in frames)
+    assert not frames[3][:, :7].any() and not frames[3][:, -7:].any() and (frames[3][:, 7:-7] == 30).all()
+
+
 def test_what_was_written_is_a_data_set(road, tmp_path, moseg):
     from layouts import LAYOUTS
 

@@ -40,7 +40,7 @@ def _defaults(model, path=()):
 def test_a_parameter_that_is_given_leaves_those_beside_it_at_their_defaults():
     """A default that is no plain instance of its class would be lost as soon as one of its values is given."""
     defaults = [*_defaults(PipelineConfig)]
-    assert (("track_groups", "clustering", "energy")) in [path for path, _, _ in defaults]
+    assert ("track_groups", "clustering", "energy") in [path for path, _, _ in defaults]
     for path, default, model in defaults:
         assert default == model(), ".".join(path)
 

@@ -1,5 +1,7 @@
 """Geometry inside black bars: tracks, cameras and objects of a film with bars are those of its picture, moved."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -17,7 +19,7 @@ AFTER_TRACKS = ("rigidity", "moving_tracks", "track_groups", "track_surfaces", "
 
 
 class _View:
-    """What tasks read of an artifact."""
+    """The part of an artifact that tasks read."""
 
     def __init__(self, arrays, attributes=None):
         self._arrays, self.attributes = arrays, attributes or {}
@@ -29,9 +31,6 @@ class _View:
 
     def shape(self, name):
         return self._arrays[name].shape
-
-    def row_reader(self, name):
-        return self._arrays[name].__getitem__
 
 
 class _Inputs(dict):
@@ -163,19 +162,11 @@ def test_networks_of_cameras_see_the_picture_and_depth_is_read_there(films, monk
         raise InterruptedError
 
     monkeypatch.setattr("moseg.tasks.cameras.estimate_cameras", estimate)
-    monkeypatch.setattr(cameras, "open_network", lambda *_: _Opened())
+    monkeypatch.setattr(cameras, "open_network", lambda *_: nullcontext())
     for film in films:
         with pytest.raises(InterruptedError):
             film.compute("cameras", cameras.DECODER, {"weights": None}, **film.place)
     np.testing.assert_array_equal(*seen)
-
-
-class _Opened:
-    def __enter__(self):
-        return None
-
-    def __exit__(self, *_):
-        return False
 
 
 def test_given_depth_is_read_at_the_tracks_of_the_picture(films):
