@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from moseg.schemas.parameters import ObjectPointParams
 from moseg.tasks.object_points.corners import new_corners
 from moseg.tasks.object_points.motion import FramePair
-from moseg.tasks.object_points.patches import roundness
+from moseg.tasks.object_points.patches import contrast, roundness
 from moseg.tasks.object_points.surroundings import Surroundings
 
 
@@ -105,14 +105,26 @@ class _Followed:
 
 
 class _Front(NamedTuple):
-    """Followed points of an object in a frame: places, float32 (n, 2), and numbers, and the object's last motions."""
+    """Followed points of an object in a frame: places, float32 (n, 2), and numbers, and what is known of the object.
+
+    Attributes
+    ----------
+    places : float32 (n, 2)
+        xy, px.
+    numbers : integer (n,)
+    motions : list of float64 (2, 3)
+        Its last motions.
+    contrast : float
+        Median contrast of the patches of its tracks where it was last seen, grey levels.
+    """
 
     places: np.ndarray
     numbers: np.ndarray
     motions: list[np.ndarray]
+    contrast: float
 
 
-_NOTHING = _Front(np.zeros((0, 2), np.float32), np.zeros(0, np.intp), [])
+_NOTHING = _Front(np.zeros((0, 2), np.float32), np.zeros(0, np.intp), [], 0.0)
 
 
 def _follow(
@@ -171,15 +183,19 @@ class _Tracks(NamedTuple):
         motions = pair.motions(self.place0[shown], self.place1[shown], own, front.motions)
         if not motions:
             return _NOTHING
+        usual = front.contrast
+        if is_own.any():
+            usual = float(np.median(contrast(pair.image0, self.place0[is_own], pair.params.patch)))
         other = Surroundings(self.place0[around], self.place1[around] - self.place0[around], self.objects[around] == 0)
         lost = np.concatenate([self.place0[ended], front.places])
-        there, keeps = _keep(lost, motions, other, pair)
+        there, keeps = _keep(lost, motions, other, pair, usual)
         num_ended = np.count_nonzero(keeps[: np.count_nonzero(ended)])
         numbers = np.concatenate([found.add(num_ended, label), front.numbers[keeps[np.count_nonzero(ended) :]]])
         found.see(self.frames[1], numbers, there[keeps])
         corners = new_corners(equalised, own, self.place0[~is_own], pair)
-        followed, corner_numbers = self._add_corners(label, corners, own, motions, other, pair, found)
-        return _Front(np.concatenate([there[keeps], followed]), np.concatenate([numbers, corner_numbers]), motions)
+        followed, corner_numbers = self._add_corners(label, corners, own, motions, other, pair, usual, found)
+        places, numbers = np.concatenate([there[keeps], followed]), np.concatenate([numbers, corner_numbers])
+        return _Front(places, numbers, motions, usual)
 
     def _add_corners(
         self,
@@ -189,6 +205,7 @@ class _Tracks(NamedTuple):
         motions: list[np.ndarray],
         other: Surroundings,
         pair: FramePair,
+        usual: float,
         found: _Followed,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Add corners to the object or the background; return places, xy, and numbers of the object's."""
@@ -199,7 +216,7 @@ class _Tracks(NamedTuple):
         gain = by_object.correlation - by_other.correlation
         is_near = cKDTree(own).query(corners)[0] <= cKDTree(self.place0).query(corners)[0]
         joins = is_near & by_object.is_tracked & (by_object.correlation > params.min_corner_correlation)
-        joins &= (gain > params.gain) & (roundness(pair.image0, corners, params.patch) >= params.min_roundness)
+        joins &= (gain > params.gain) & _are_distinct(corners, pair, usual)
         stays = is_background & by_other.is_tracked & (by_other.correlation > params.min_corner_correlation)
         stays &= gain < -params.gain
         for side, chosen, place in ((0, stays, by_other.points), (label, joins, by_object.points)):
@@ -210,13 +227,20 @@ class _Tracks(NamedTuple):
 
 
 def _keep(
-    points: np.ndarray, motions: list[np.ndarray], other: Surroundings, pair: FramePair
+    points: np.ndarray, motions: list[np.ndarray], other: Surroundings, pair: FramePair, usual: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the object's motions bring points, xy, and whether their patches say so."""
+    """Return where the object's motions bring points, xy, and whether their patches, of enough contrast, say so."""
     if not len(points):
         return points, np.zeros(0, bool)
     found = pair.find(motions, points)
     keeps = (found.correlation > pair.params.min_correlation) & (
         found.correlation > other.find(pair, points)[0].correlation
     )
-    return found.points, keeps & (roundness(pair.image0, points, pair.params.patch) >= pair.params.min_roundness)
+    return found.points, keeps & _are_distinct(points, pair, usual)
+
+
+def _are_distinct(points: np.ndarray, pair: FramePair, usual: float) -> np.ndarray:
+    """Return whether patches around points of the first frame are no straight edges, nor much plainer than usual."""
+    params = pair.params
+    is_round = roundness(pair.image0, points, params.patch) >= params.min_roundness
+    return is_round & (contrast(pair.image0, points, params.patch) >= params.min_contrast * usual)

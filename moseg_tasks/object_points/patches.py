@@ -1,4 +1,4 @@
-"""Patches of two frames around points: how well they correlate, and whether they are more than a straight edge."""
+"""Patches around points: correlation of two frames' patches, contrast, and whether a patch is more than an edge."""
 
 import cv2
 import numpy as np
@@ -27,6 +27,23 @@ def correlate_patches(
         energy = np.square(patches0).sum(axis=1) * np.square(patches1).sum(axis=1)
         correlation[part] = (patches0 * patches1).sum(axis=1) / np.sqrt(energy + np.float32(_TINY))
     return correlation
+
+
+def contrast(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
+    """Return the standard deviation of the patches around points, grey levels, float32 (N,).
+
+    Parameters
+    ----------
+    image : uint8 (y, x)
+    points : float32 (N, 2)
+        xy, px.
+    side : px.
+    """
+    found = np.zeros(len(points), np.float32)
+    for first in range(0, len(points), _AT_ONCE):
+        part = slice(first, first + _AT_ONCE)
+        found[part] = np.sqrt(np.square(_centred(image, points[part], side)).mean(axis=1))
+    return found
 
 
 def roundness(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:

@@ -48,7 +48,7 @@ def fill_holes(
     for t, objects in enumerate(labels):
         holes = [
             hole
-            for hole in _holes(objects)
+            for hole in find_holes(objects)
             if to_float32(foreground[t][hole.box][hole.inside]).mean() >= params.hole_probability
         ]
         if not holes:
@@ -63,7 +63,7 @@ def fill_holes(
     return filled
 
 
-class _Hole(NamedTuple):
+class Hole(NamedTuple):
     """A hole of an object.
 
     Attributes
@@ -80,7 +80,7 @@ class _Hole(NamedTuple):
     label: int
 
 
-def _holes(objects: np.ndarray) -> Iterator[_Hole]:
+def find_holes(objects: np.ndarray) -> Iterator[Hole]:
     """Yield the parts of the background uint16 (h, w) that a single object surrounds."""
     height, width = objects.shape
     count, parts, boxes, _ = cv2.connectedComponentsWithStats((objects == 0).astype(np.uint8), connectivity=4)
@@ -93,7 +93,7 @@ def _holes(objects: np.ndarray) -> Iterator[_Hole]:
         inside = parts[box] == part
         around = np.unique(objects[box][(cv2.dilate(inside.astype(np.uint8), cross) > 0) & ~inside])
         if len(around) == 1:
-            yield _Hole(box, inside, int(around[0]))
+            yield Hole(box, inside, int(around[0]))
 
 
 def _errors(t: int, images: np.ndarray, flows: np.ndarray, residual_flows: np.ndarray) -> Iterator[np.ndarray]:

@@ -1,4 +1,6 @@
-"""Masks of objects of tracks: every pixel takes the object for which its nearest tracks vote; edges draw outlines."""
+"""Masks of objects of tracks: every pixel between them takes the object for which its nearest tracks vote; edges and
+colours of the frame draw the outlines.
+"""
 
 from collections.abc import Iterable
 
@@ -7,7 +9,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.special import expit
 
-from moseg.schemas.parameters import RefinementParams, TrackMaskParams
+from moseg.schemas.parameters import LocalColourParams, RefinementParams, TrackMaskParams
+from moseg.tasks.proposals.holes import find_holes
+from moseg.tasks.proposals.point_regions import region_between
 from moseg.tasks.proposals.refinement import refine_outlines
 
 STEP = 2
@@ -16,6 +20,8 @@ BLOCK = 3
 """Side of the blocks of the grid that are labelled at once where only one object is near; odd."""
 _MIDDLE = (STEP - 1) / 2
 """Place of the middle of a cell of the grid from its first pixel, px."""
+_WIDER = 2.0
+"""Margins around tracks that are few, at most, in margins around many."""
 _TINY = 1e-12
 """Weight of a vote by distance alone, for pixels that resemble none of their tracks."""
 
@@ -29,6 +35,7 @@ def track_masks(
     start: int,
     params: TrackMaskParams,
     refinement: RefinementParams,
+    colours: LocalColourParams | None = None,
 ) -> np.ndarray:
     """Return the object of every pixel.
 
@@ -47,23 +54,20 @@ def track_masks(
     params : TrackMaskParams
     refinement : RefinementParams
         Of the outlines, along the edges of the frame.
+    colours : LocalColourParams, optional
+        Of both sides of the outlines; without them the votes alone are aligned with the edges.
 
     Returns
     -------
     uint16 (frame, y, x)
         0 = background.
     """
-    return np.stack(
-        [
-            _draw(
-                image,
-                _label_grid(image, flow, *_seen_tracks(points, visible, objects, frame), params),
-                params,
-                refinement,
-            )
-            for frame, (image, flow) in enumerate(zip(frames, flows, strict=True), start)
-        ]
-    )
+    masks = []
+    for frame, (image, flow) in enumerate(zip(frames, flows, strict=True), start):
+        place, motion, seen = _seen_tracks(points, visible, objects, frame)
+        grid = _label_grid(image, flow, place, motion, seen, params)
+        masks.append(_tidy(_draw(image, grid, params, refinement, colours), place, seen))
+    return np.stack(masks)
 
 
 def number_seen(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -98,11 +102,35 @@ def _seen_tracks(points: np.ndarray, visible: np.ndarray, objects: np.ndarray, f
     return place, -motion if is_last else motion, objects[seen]
 
 
-def _draw(image: np.ndarray, grid: np.ndarray, params: TrackMaskParams, refinement: RefinementParams) -> np.ndarray:
+def _draw(
+    image: np.ndarray,
+    grid: np.ndarray,
+    params: TrackMaskParams,
+    refinement: RefinementParams,
+    colours: LocalColourParams | None,
+) -> np.ndarray:
     """Return the labels of a grid at the size of its frame, uint16 (y, x)."""
     if not params.softness or not grid.any():
         return cv2.resize(grid, image.shape[1::-1], interpolation=cv2.INTER_NEAREST)
-    return refine_outlines(image, grid, _soften(grid > 0, params.softness), refinement)
+    return refine_outlines(image, grid, _soften(grid > 0, params.softness), refinement, colours)
+
+
+def _tidy(labels: np.ndarray, place: np.ndarray, objects: np.ndarray) -> np.ndarray:
+    """Return labels uint16 (y, x) without parts that have no track of their object, and holes that have none at all."""
+    x, y = np.clip(np.rint(place).astype(int), 0, np.array(labels.shape[::-1]) - 1).T
+    tidied = np.zeros_like(labels)
+    for label in np.unique(labels[labels > 0]):
+        count, parts = cv2.connectedComponents((labels == label).astype(np.uint8))
+        has_track = np.zeros(count, bool)
+        has_track[parts[y, x][objects == label]] = True
+        has_track[0] = False
+        tidied[has_track[parts]] = label
+    is_track = np.zeros(labels.shape, bool)
+    is_track[y, x] = True
+    for hole in list(find_holes(tidied)):
+        if not is_track[hole.box][hole.inside].any():
+            tidied[hole.box][hole.inside] = hole.label
+    return tidied
 
 
 def _soften(mask: np.ndarray, softness: float) -> np.ndarray:
@@ -135,7 +163,20 @@ def _label_grid(
     grey = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (0, 0), params.grey_blur)
     weights = _weigh(grey, flow, rows * STEP, columns * STEP, distance, near, place, motion, params)
     grid[rows, columns] = _elect(objects[near], weights)
+    if params.closing:
+        for label in np.unique(grid[grid > 0]):
+            own = place[objects == label]
+            reach = np.array([params.closing, _margin(own, params), params.edge]) / STEP
+            grid[(grid == label) & ~region_between((own - _MIDDLE) / STEP, shape, *reach)] = 0
     return cv2.medianBlur(grid, 2 * params.smoothing + 1) if params.smoothing else grid
+
+
+def _margin(place: np.ndarray, params: TrackMaskParams) -> float:
+    """Return how far around its tracks an object may reach, px: the fewer tracks, the less is known of its outline."""
+    if len(place) < 2:
+        return params.margin * _WIDER
+    spacing = np.median(cKDTree(place).query(place, k=2)[0][:, 1])
+    return float(np.clip(spacing, params.margin, params.margin * _WIDER))
 
 
 def _near_objects(place: np.ndarray, shape: tuple[int, int], radius: float) -> np.ndarray:

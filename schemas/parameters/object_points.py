@@ -61,6 +61,12 @@ class ObjectPointParams(Frozen):
         description="least ratio of the eigenvalues of a patch's structure tensor: points of straight edges agree with"
         " many motions",
     )
+    min_contrast: Annotated[float, Unit.SHARE] = Field(
+        0.3,
+        ge=0,
+        description="least contrast of a point's patch, as a share of the median of the object's tracks: what a plain"
+        " surface shows beside an object may be the encoder's, which copies blocks of the frame before",
+    )
     reach: Annotated[float, Unit.PIXELS] = Field(
         25.0, ge=0, description="largest distance of a new corner from a point of the object, px"
     )

@@ -14,6 +14,21 @@ class TrackMaskParams(Frozen):
     radius: Annotated[float, Unit.PIXELS] = Field(
         30.0, gt=0, description="largest distance of an object's pixel from the object's nearest track, px"
     )
+    closing: Annotated[float, Unit.PIXELS] = Field(
+        50.0,
+        ge=0,
+        description="only pixels between an object's tracks count: each disc of this radius around them has a track,"
+        " px; 0: all within the radius",
+    )
+    margin: Annotated[float, Unit.PIXELS] = Field(
+        6.0,
+        ge=0,
+        description="largest distance of an object's pixel from those between its tracks, px; of tracks farther apart"
+        " as much as they are, at most twice this",
+    )
+    edge: Annotated[float, Unit.PIXELS] = Field(
+        12.0, ge=0, description="distance of tracks from the frame's edge up to which they count on it too, px"
+    )
     num_neighbours: Annotated[int, Unit.COUNT] = Field(10, ge=1, description="nearest tracks that vote for a pixel")
     distance: Annotated[float, Unit.PIXELS] = Field(
         10.0, gt=0, description="standard deviation of the votes' Gaussian weight by distance, px"

@@ -37,7 +37,7 @@ def _params(config: PipelineConfig, bars: BlackBars | None = None) -> dict:
     return config.object_points.model_dump(mode="json") | bars_params(bars)
 
 
-OBJECT_MOTION = Task("object_points", "object-motion", version=1, run=_run, params=_params)
+OBJECT_MOTION = Task("object_points", "object-motion", version=2, run=_run, params=_params)
 
 STAGE = Stage(
     name="object_points",

@@ -71,6 +71,7 @@ def _run_tracks(params, inputs, rng):
         params["start"],
         TrackMaskParams.of_recipe(params["track_masks"]),
         RefinementParams.of_recipe(params["refinement"]),
+        LocalColourParams.of_recipe(params["local_colours"]),
     )
     surface_params = TrackSurfaceParams.of_recipe(params["track_surfaces"])
     labelled = range(params["start"], params["start"] + len(masks))
@@ -189,6 +190,7 @@ def _track_params(config: PipelineConfig, start: int, section: int) -> dict:
         "max_static": surfaces.max_candidates >> section // surfaces.halved_after,
         "track_masks": config.track_masks.model_dump(mode="json"),
         "refinement": config.refinement.model_dump(mode="json"),
+        "local_colours": config.local_colours.model_dump(mode="json"),
         "track_surfaces": surfaces.model_dump(mode="json", include=MASK_PARAMS),
     }
 
@@ -229,7 +231,7 @@ def _method(config: PipelineConfig) -> str:
 
 
 SALIENCY = Task("proposals", "saliency", version=4, run=_run_saliency, params=_saliency_params)
-DENSE_TRACKS = Task("proposals", "tracks", version=5, run=_run_tracks, params=_track_params)
+DENSE_TRACKS = Task("proposals", "tracks", version=6, run=_run_tracks, params=_track_params)
 GIVEN_MASKS = Task("proposals", "given", version=1, run=_run_given, params=_given_params)
 INSIDE = Task("proposals", "inside", version=1, run=_run_inside, params=_inside_params)
 DEAOT = Task(

@@ -109,6 +109,37 @@ def test_each_point_has_one_run_of_frames_and_no_place_elsewhere(followed):
     assert not followed.points[~followed.visible].any()
 
 
+def test_a_plain_surface_that_an_encoder_moves_along_is_not_the_objects():
+    # Around the square, a faint pattern moves with it, as blocks do that are copied from the frame before.
+    rng = np.random.default_rng(3)
+    faint = cv2.GaussianBlur(rng.normal(size=(320, 320)), (0, 0), 4)
+    faint = (90 + 3 * faint / faint.std()).astype(np.float32)
+    frames = []
+    for frame in range(NUM_FRAMES):
+        scale = SIDE * GROWTH**frame / 160
+        to_frame = np.hstack([scale * np.eye(2), _corner(frame)[:, None] - scale * 80])
+        around, is_around = (
+            cv2.warpAffine(layer, to_frame, (WIDTH, HEIGHT), flags=cv2.INTER_LINEAR)
+            for layer in (faint, np.ones_like(faint))
+        )
+        rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+        corner, side = _corner(frame), SIDE * GROWTH**frame
+        inside = (columns >= corner[0]) & (columns <= corner[0] + side)
+        inside &= (rows >= corner[1]) & (rows <= corner[1] + side)
+        image = np.where((is_around > 0.5) & ~inside, around, FRAMES[frame][..., 0])
+        frames.append(np.repeat(image.astype(np.uint8)[..., None], 3, axis=2))
+    points, visible, objects = _tracks(range(2))
+    for frame in range(NUM_FRAMES):
+        distance = np.abs(STILL - _corner(frame) - SIDE * GROWTH**frame / 2).max(axis=1)
+        visible[len(TRACKED) :, frame] &= distance > SIDE * GROWTH**frame
+    stray = []
+    for changes in ({"min_contrast": 0.0}, {}):
+        found = follow_objects(frames.__getitem__, points, visible, objects, PARAMS.model_copy(update=changes))
+        beyond = np.concatenate([_errors(found, frame) for frame in range(2, NUM_FRAMES)])
+        stray.append(np.count_nonzero(beyond > PARAMS.patch / 2))
+    assert stray[0] > 100 and stray[1] < 0.05 * stray[0]
+
+
 def test_points_end_where_something_hides_the_object():
     frames = [*FRAMES[:4], *(_frame(frame, hidden=True) for frame in range(4, NUM_FRAMES))]
     found = follow_objects(frames.__getitem__, *_tracks(range(2)), PARAMS)

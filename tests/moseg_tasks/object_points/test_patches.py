@@ -1,9 +1,9 @@
-"""Correlation of patches, and their roundness."""
+"""Correlation, contrast and roundness of patches."""
 
 import numpy as np
 import pytest
 
-from moseg.tasks.object_points.patches import correlate_patches, roundness
+from moseg.tasks.object_points.patches import contrast, correlate_patches, roundness
 
 NOISE = np.random.default_rng(1).integers(0, 255, (60, 80)).astype(np.uint8)
 POINTS = np.float32([[20, 20], [40.5, 30.25], [1, 58]])
@@ -23,10 +23,20 @@ def test_plain_patches_have_a_correlation_of_zero():
     np.testing.assert_array_equal(correlate_patches(plain, POINTS, NOISE, POINTS, 9), 0)
 
 
-@pytest.mark.parametrize("function", ["correlation", "roundness"])
+def test_contrast_is_the_deviation_of_a_patch():
+    expected = [NOISE[16:25, 16:25].std(), NOISE[36:45, 46:55].std()]
+    np.testing.assert_allclose(contrast(NOISE, np.float32([[20, 20], [50, 40]]), 9), expected, rtol=1e-4)
+    np.testing.assert_array_equal(contrast(np.full((60, 80), 90, np.uint8), POINTS, 9), 0)
+
+
+@pytest.mark.parametrize("function", ["correlation", "roundness", "contrast"])
 def test_no_points_have_no_patches(function):
     none = np.zeros((0, 2), np.float32)
-    found = correlate_patches(NOISE, none, NOISE, none, 9) if function == "correlation" else roundness(NOISE, none, 9)
+    found = {
+        "correlation": lambda: correlate_patches(NOISE, none, NOISE, none, 9),
+        "roundness": lambda: roundness(NOISE, none, 9),
+        "contrast": lambda: contrast(NOISE, none, 9),
+    }[function]()
     assert found.shape == (0,)
 
 

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from moseg.schemas.parameters import RefinementParams, TrackMaskParams
+from moseg.schemas.parameters import LocalColourParams, RefinementParams, TrackMaskParams
 from moseg.tasks.proposals import track_masks as kernel
 from moseg.tasks.proposals.track_masks import number_seen, track_masks
 
@@ -80,13 +80,13 @@ def test_an_outline_is_as_soft_as_asked():
 
 
 def test_smoothing_removes_specks():
-    frames, *scene, _ = _scene()
-    noisy = np.where(np.random.default_rng(0).random((NUM_FRAMES, *SHAPE, 1)) < 0.1, 255 - frames, frames)
+    frames, flows, *tracks, _ = _scene()
+    noisy = np.where(np.random.default_rng(0).random((*SHAPE, 1)) < 0.1, 255 - frames[0], frames[0])
     rough, smooth = (
-        track_masks(noisy, *scene, 0, TrackMaskParams(softness=0.0, grey_blur=0.3, smoothing=radius), OUTLINES)
-        for radius in (0, 2)
+        kernel._label_grid(noisy, flows[0], *kernel._seen_tracks(*tracks, 0), TrackMaskParams(**changes))
+        for changes in ({"grey_blur": 0.3, "smoothing": radius} for radius in (0, 2))
     )
-    num_changes = [np.count_nonzero(np.diff(masks, axis=2)) for masks in (rough, smooth)]
+    num_changes = [np.count_nonzero(np.diff(grid, axis=1)) for grid in (rough, smooth)]
     assert num_changes[1] < 0.8 * num_changes[0]
 
 
@@ -112,6 +112,57 @@ def test_no_pixel_is_farther_from_its_object_than_the_radius():
     y, x = np.nonzero(mask)
     assert len(x)
     assert np.hypot(x - points[only, 0, 0], y - points[only, 0, 1]).max() < 10 + 2 * kernel.STEP
+
+
+def _beside_a_plain_road():
+    """Return a scene whose background has tracks far from the object only; flow is smeared over the outline."""
+    frames, flows, points, visible, objects, truth = _scene(spacing=6)
+    near = cv2.dilate(truth[0].astype(np.uint8), np.ones((81, 81))) > 0
+    x, y = points[:, 0].astype(int).T
+    kept = (objects > 0) | ~near[y, x]
+    assert (objects[kept] == 0).any()
+    flows = np.stack([cv2.GaussianBlur(flow, (0, 0), 12) for flow in flows])
+    return frames, flows, points[kept], visible[kept], objects[kept], truth
+
+
+def test_what_has_tracks_on_one_side_only_stays_out():
+    frames, *scene, truth = _beside_a_plain_road()
+    plain = np.full_like(frames, 60)
+    wide, between = (
+        track_masks(plain, *scene, 0, TrackMaskParams(softness=0.0, closing=closing), OUTLINES) > 0
+        for closing in (0.0, PARAMS.closing)
+    )
+    assert (between & truth).sum() > 0.97 * truth.sum()
+    assert (between & ~truth).sum() < 0.3 * (wide & ~truth).sum()
+
+
+def test_colours_of_both_sides_draw_the_outline():
+    frames, flows, points, visible, objects, truth = _scene(spacing=6)
+    # Tracks beside the object follow it too.
+    strays = cv2.dilate(truth[0].astype(np.uint8), np.ones((21, 21))) > 0
+    x, y = points[:, 0].astype(int).T
+    objects = strays[y, x].astype(np.uint16)
+    scene = frames, flows * 0, points, visible, objects
+    without, found = (track_masks(*scene, 0, PARAMS, OUTLINES, colours) > 0 for colours in (None, LocalColourParams()))
+    assert _iou(found, truth) > 0.95 > 0.8 > _iou(without, truth)
+
+
+def test_few_tracks_know_the_outline_less_well():
+    place = np.stack(np.meshgrid(np.arange(5.0), np.arange(4.0)), axis=-1).reshape(-1, 2)
+    margins = [kernel._margin(place * spacing, PARAMS) for spacing in (2, 9, 90)]
+    assert margins == [PARAMS.margin, 9, 2 * PARAMS.margin]
+    assert kernel._margin(place[:1], PARAMS) == 2 * PARAMS.margin
+
+
+def test_parts_and_holes_without_a_track_are_no_part_and_no_hole():
+    labels = np.zeros((30, 60), np.uint16)
+    labels[5:25, 5:25], labels[5:10, 40:50], labels[20:25, 40:50] = 2, 2, 3
+    labels[8:12, 8:12] = labels[16:20, 16:20] = 0
+    place, objects = np.float32([[6, 6], [17, 17], [45, 22], [45, 7]]), np.array([2, 0, 3, 3], np.uint16)
+    expected = labels.copy()
+    # The first hole has no track, the second one the background's; the object's other part has another object's.
+    expected[8:12, 8:12], expected[5:10, 40:50] = 2, 0
+    np.testing.assert_array_equal(kernel._tidy(labels, place, objects), expected)
 
 
 def test_without_moving_tracks_there_is_no_mask():
