@@ -56,6 +56,7 @@ from moseg.schemas.parameters.sea_raft import SeaRaftParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
 from moseg.schemas.parameters.track_objects import (
     CandidateParams,
+    OwnVehicleParams,
     RegroupParams,
     TrackFieldParams,
     TrackGroupParams,
@@ -129,6 +130,7 @@ __all__ = [
     "ObjectPointParams",
     "OutlierParams",
     "OwnMotionParams",
+    "OwnVehicleParams",
     "PieceParams",
     "PipsParams",
     "PluginParams",

@@ -220,6 +220,23 @@ class RegroupParams(Frozen):
     )
 
 
+class OwnVehicleParams(Frozen):
+    """The vehicle that carries the camera, as far as the picture shows it: a bonnet, the frame of a windscreen."""
+
+    min_width: Annotated[float, Unit.SHARE] = Field(
+        0.5,
+        gt=0,
+        description="smallest width of what rides along at the lower edge, as a share of the picture's: narrower things"
+        " may be objects; above 1: the vehicle is not looked for",
+    )
+    height: Annotated[float, Unit.SHARE] = Field(
+        0.33, gt=0, le=1, description="part of the picture, from the lower edge, in which the vehicle lies"
+    )
+    max_motion: Annotated[float, Unit.SHARE] = Field(
+        0.1, ge=0, description="largest motion of the vehicle in the picture, as a share of the motion around it there"
+    )
+
+
 class TrackObjectParams(Frozen):
     """Evidence that an object must have to be a moving one. It is absolute: in a static scene there is none."""
 
@@ -297,3 +314,4 @@ class TrackObjectParams(Frozen):
         " surface",
     )
     regroup: RegroupParams = RegroupParams()
+    own_vehicle: OwnVehicleParams = OwnVehicleParams()

@@ -73,8 +73,9 @@ class _Film:
         self.compute("dense_tracks", inputs=flows, **self.place)
         shape = {"shape": self.frames[0].shape("image")[:2]}
         for name in AFTER_TRACKS:
-            reads_place = name in ("rigidity", "track_surfaces", "object_points")
-            self.compute(name, **(self.place if reads_place else {}), **(shape if name == "track_surfaces" else {}))
+            reads_shape = name in ("track_surfaces", "track_objects")
+            reads_place = reads_shape or name in ("rigidity", "object_points")
+            self.compute(name, **(self.place if reads_place else {}), **(shape if reads_shape else {}))
 
 
 @pytest.fixture(scope="module")
@@ -201,7 +202,10 @@ def _recipes(bars, **values):
 @pytest.mark.parametrize(
     ("values", "read"),
     [
-        ({"proposal_source": "tracks"}, {"dense_tracks", "rigidity", "track_surfaces", "object_points"}),
+        (
+            {"proposal_source": "tracks"},
+            {"dense_tracks", "rigidity", "track_surfaces", "track_objects", "object_points"},
+        ),
         ({"proposal_source": "tracks", "cameras": {"method": "depth-anything-3"}}, {"cameras"}),
         ({"proposal_source": "saliency", "rigid_support": {"use": "always"}}, {"rigid_support"}),
     ],
@@ -212,6 +216,7 @@ def test_recipes_name_the_bars_only_where_there_are_any(values, read):
     assert not any("bars" in params for params in without.values())
 
 
-def test_surfaces_are_told_the_size_of_the_picture():
-    shapes = [_recipes(bars, proposal_source="tracks")["track_surfaces"]["shape"] for bars in (BARS, None)]
+@pytest.mark.parametrize("stage", ["track_surfaces", "track_objects"])
+def test_a_stage_is_told_the_size_of_the_picture(stage):
+    shapes = [_recipes(bars, proposal_source="tracks")[stage]["shape"] for bars in (BARS, None)]
     assert shapes == [[96 - 52 - 17, 128 - 36], [96, 128]]

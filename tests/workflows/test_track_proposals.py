@@ -242,7 +242,9 @@ def test_objects_are_groups_of_the_candidates_tracks(evaluated_tracks):
         assert not candidate[state <= 0].any()
         assert not found[candidate == 0].any()
         num_objects = len(store.read(ref, "is_moving"))
-        assert {len(values) for values in store.attributes(ref).values()} == {num_objects}
+        attributes = store.attributes(ref)
+        assert attributes.pop("own_vehicle") == 0
+        assert {len(values) for values in attributes.values()} == {num_objects}
         assert found.max(initial=0) == num_objects
 
 

@@ -72,7 +72,8 @@ class TrackProposals:
         moving = {"moving_tracks": self._nodes.add("moving_tracks", {**tracks, **rigidity})}
         groups = {"track_groups": self._nodes.add("track_groups", {**tracks, **moving})}
         surfaces = {"track_surfaces": self.surfaces(index)}
-        return self._nodes.add("track_objects", {**tracks, **rigidity, **moving, **groups, **surfaces})
+        inputs = {**tracks, **rigidity, **moving, **groups, **surfaces}
+        return self._nodes.add("track_objects", inputs, shape=self._leaves.shape, **self._leaves.picture())
 
     @cached_method
     def surfaces(self, index: int) -> str:
