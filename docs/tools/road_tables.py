@@ -64,6 +64,21 @@ def _disturbed_roads() -> Rows:
     return [("clips", "Fu", "J", *(f"Fu of {clip}" for clip in clips)), undisturbed, *rows]
 
 
+def _road_outlines() -> Rows:
+    texts = {
+        "all": "all parts",
+        "plain-points": "points of plain patches followed, too",
+        "wide": "pixels within 30 px of tracks, not only between them",
+        "no-colours": "local colours not asked",
+        "none": "none of the three",
+    }
+    scores = ("J", "P", "R")
+    rows = (
+        (text, *(f"{{road-outlines/masks/{part}/mean/{score}}}" for score in scores)) for part, text in texts.items()
+    )
+    return [("", *scores), *rows]
+
+
 def _still(name: str, sequence: str = "") -> str:
     at = f"@{sequence}" if sequence else ""
     return f"{{{name}/fused/false_pixels{at}:.2f}} / {{{name}/fused/false_frames{at}:.0f}}"
@@ -172,4 +187,5 @@ TABLES = {
     "still": _still_sequences(),
     "drives": _drives(),
     "frame-rates": _frame_rates(),
+    "road-outlines": _road_outlines(),
 }
