@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 from moseg.schemas.parameters import ObjectPointParams
 from moseg.tasks.object_points.corners import new_corners
 from moseg.tasks.object_points.motion import FramePair
-from moseg.tasks.object_points.patches import contrast, roundness
+from moseg.tasks.object_points.patches import contrast
 from moseg.tasks.object_points.surroundings import Surroundings
+from moseg.tasks.roundness import roundness
 
 
 class ObjectPoints(NamedTuple):

@@ -1,11 +1,10 @@
-"""Patches around points: correlation of two frames' patches, contrast, and whether a patch is more than an edge."""
+"""Patches around points: how well those of two frames correlate, and their contrast."""
 
 import cv2
 import numpy as np
 
 _TINY = 1e-9
 _AT_ONCE = 1 << 14  # OpenCV samples at most 32,766 rows of a map
-_SOBEL = 3  # aperture of the derivatives of the structure tensor, px
 
 
 def correlate_patches(
@@ -44,17 +43,6 @@ def contrast(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
         part = slice(first, first + _AT_ONCE)
         found[part] = np.sqrt(np.square(_centred(image, points[part], side)).mean(axis=1))
     return found
-
-
-def roundness(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
-    """Return the ratio of the eigenvalues of the structure tensor around points, float32 (N,): 0 on a straight edge."""
-    if not len(points):
-        return np.zeros(0, np.float32)
-    x, y = np.clip(np.rint(points).astype(int), 0, np.array(image.shape[::-1]) - 1).T
-    top, left = max(y.min() - side, 0), max(x.min() - side, 0)
-    part = np.ascontiguousarray(image[top : y.max() + side + 1, left : x.max() + side + 1])
-    of_points = cv2.cornerEigenValsAndVecs(part, side, _SOBEL)[y - top, x - left, :2]
-    return of_points.min(axis=1) / np.maximum(of_points.max(axis=1), np.float32(_TINY))
 
 
 def _centred(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:

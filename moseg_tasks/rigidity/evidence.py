@@ -15,6 +15,10 @@ from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
 from moseg.tasks.rigidity.patch_test import compare_patches
 from moseg.tasks.rigidity.relative_pose import fit_pose
+from moseg.tasks.roundness import roundness
+
+_STRAIGHT_SIDE = 15
+"""Side of the patches that are asked whether they show but a straight edge, px."""
 
 
 class PairEvidence(NamedTuple):
@@ -28,7 +32,7 @@ class PairEvidence(NamedTuple):
         The same of the medians over similar neighbours.
     test, strict_test : float64 (N,)
         Result of the patch test, for one rigid surface in a patch and for two, averaged over similar neighbours; 0
-        where nothing was tested.
+        where nothing was tested, and on straight edges.
     strict_error : float64 (N,)
         `median_error`, no more than the test for two surfaces lets stand.
     motion : CameraMotion
@@ -101,6 +105,8 @@ def pair_evidence(
     doubtful = np.flatnonzero((squared > params.test_above) | (median_squared > params.test_above))
     tests = np.zeros((len(points0), 2))
     tests[doubtful] = compare_patches(*images, points0, points1, parallax, deviation.allowed, doubtful, params)
+    # A marking along the road looks alike wherever the tracker is on it, but is wider where it is nearer.
+    tests[roundness(images[0], points0, _STRAIGHT_SIDE) < params.test_roundness] = 0
     test, strict_test = (similar.mean_with_itself(each) for each in tests.T)
 
     def limited(squared, test):

@@ -190,6 +190,13 @@ class RigidityParams(Frozen):
         description="factor on the difference of a patch whose halves have two rigid positions, because two fit by"
         " chance more easily than one",
     )
+    test_roundness: Annotated[float, Unit.RATIO] = Field(
+        0.005,
+        ge=0,
+        le=1,
+        description="ratio of the eigenvalues of a patch's structure tensor below which it is a straight edge, of which"
+        " the test proves nothing",
+    )
     test_gain: Annotated[float, Unit.RATIO] = Field(10.0, gt=0, description="largest squared error at a result of 1")
 
     depth_noise: Annotated[float, Unit.SHARE] = Field(

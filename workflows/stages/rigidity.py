@@ -94,7 +94,7 @@ def _params(config: PipelineConfig, step: int = 1, bars: BlackBars | None = None
     return params if step == 1 else {**params, "step": step}
 
 
-EPIPOLAR = Task("rigidity", "epipolar", version=7, run=_run, params=_params)
+EPIPOLAR = Task("rigidity", "epipolar", version=8, run=_run, params=_params)
 
 STAGE = Stage(
     name="rigidity",

@@ -1,9 +1,9 @@
-"""Correlation, contrast and roundness of patches."""
+"""Correlation and contrast of patches."""
 
 import numpy as np
 import pytest
 
-from moseg.tasks.object_points.patches import contrast, correlate_patches, roundness
+from moseg.tasks.object_points.patches import contrast, correlate_patches
 
 NOISE = np.random.default_rng(1).integers(0, 255, (60, 80)).astype(np.uint8)
 POINTS = np.float32([[20, 20], [40.5, 30.25], [1, 58]])
@@ -29,29 +29,14 @@ def test_contrast_is_the_deviation_of_a_patch():
     np.testing.assert_array_equal(contrast(np.full((60, 80), 90, np.uint8), POINTS, 9), 0)
 
 
-@pytest.mark.parametrize("function", ["correlation", "roundness", "contrast"])
+@pytest.mark.parametrize("function", ["correlation", "contrast"])
 def test_no_points_have_no_patches(function):
     none = np.zeros((0, 2), np.float32)
     found = {
         "correlation": lambda: correlate_patches(NOISE, none, NOISE, none, 9),
-        "roundness": lambda: roundness(NOISE, none, 9),
         "contrast": lambda: contrast(NOISE, none, 9),
     }[function]()
     assert found.shape == (0,)
-
-
-def test_a_straight_edge_is_not_round_and_a_corner_is():
-    image = np.zeros((60, 80), np.uint8)
-    image[:30, :40] = 200
-    edge, corner = roundness(image, np.float32([[40, 10], [40, 30]]), 15)
-    assert edge < 0.01
-    assert corner > 0.3
-
-
-def test_roundness_does_not_depend_on_the_other_points():
-    image = np.kron(NOISE[:15, :20], np.ones((4, 4), np.uint8))
-    together = roundness(image, POINTS, 9)
-    np.testing.assert_allclose(together, [roundness(image, point[None], 9)[0] for point in POINTS], rtol=1e-5)
 
 
 def test_more_points_than_opencv_samples_at_once():

@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 
@@ -75,6 +76,26 @@ def test_a_parked_car_stands_at_its_given_depth():
     error, owner = evidence("parked", has_depth=True)
     assert np.mean(error[owner == 0] > 1) < 0.02
     assert np.mean(error[owner != 0] > 1) < 0.02
+
+
+def test_a_tracker_that_stays_on_a_marking_along_the_road_is_no_evidence():
+    rendered, tracks, _ = drive("parked")
+    height, width = rendered.images.shape[1:3]
+    vanishing = np.array([(width - 1) / 2, (height - 1) / 2])
+    foot, lane = np.array([[[0.68, 1.1], [0.76, 1.1]], [[0.5, 1.1], [0.9, 1.1]]]) * [width, height]
+    images = rendered.images.copy()
+    for image in images:
+        for edges, level in ((lane, 80), (foot, 235)):
+            cv2.fillPoly(image, [np.rint([vanishing, *edges]).astype(np.int32)], (level,) * 3, cv2.LINE_AA)
+    stays = vanishing + np.linspace(0.4, 0.75, 12)[:, None] * (foot[0] - vanishing)
+    points = np.concatenate([tracks.points, np.repeat(stays[:, None], NUM_FRAMES, axis=1)]).astype(np.float32)
+    visible = np.concatenate([tracks.visible, np.ones((len(stays), NUM_FRAMES), bool)])
+    asked, ignored = (
+        estimate_rigidity(images, points, visible, PARAMS.model_copy(update=changes)).strict_error[:, -len(stays) :]
+        for changes in ({"test_roundness": 0.0}, {})
+    )
+    assert np.nanmedian(asked) > 1
+    assert np.nanmax(ignored) < 0.5
 
 
 def test_values_are_finite_where_a_track_is_seen_in_the_pair_and_nan_elsewhere():
