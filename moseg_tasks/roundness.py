@@ -8,7 +8,9 @@ _SOBEL = 3  # aperture of the derivatives of the structure tensor, px
 
 
 def roundness(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
-    """Return the ratio of the eigenvalues of the structure tensor around points, float32 (N,): 0 on a straight edge.
+    """Return the ratio of the eigenvalues of the structure tensor around points, float32 (N,).
+
+    It is 0 on a straight edge, and on what is wholly plain.
 
     Parameters
     ----------

@@ -36,7 +36,8 @@ def contrast(image: np.ndarray, points: np.ndarray, side: int) -> np.ndarray:
     image : uint8 (y, x)
     points : float32 (N, 2)
         xy, px.
-    side : px.
+    side : int
+        px.
     """
     found = np.zeros(len(points), np.float32)
     for first in range(0, len(points), _AT_ONCE):

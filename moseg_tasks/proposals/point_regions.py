@@ -7,7 +7,7 @@ import numpy as np
 def region_between(
     points: np.ndarray, shape: tuple[int, int], closing: float, margin: float, edge: float
 ) -> np.ndarray:
-    """Return the pixels between an object's points, and up to `margin` px around these.
+    """Return the pixels between an object's points, and about `margin` px around these.
 
     A plain road beside a car has no points of its own, so that the nearest ones are the car's; but it has them on one
     side only.
@@ -19,9 +19,10 @@ def region_between(
     shape : (height, width)
         px.
     closing : float
-        A pixel lies between the points if each disc of this radius in which it lies has one of them, px.
+        Radius, px: a pixel lies between the points if every disc of it that contains the pixel contains a point too.
     margin : float
-        At most `closing`, px.
+        px; at most `closing` counts. It is added before the closing is complete, so that gaps between points that are
+        little wider than the disc are bridged.
     edge : float
         Points within this distance of the frame's edge, px, count on the edge too: what the frame cuts off goes on.
 
@@ -48,7 +49,7 @@ def region_between(
     x, y = (cells - first + pad).T
     free[y, x] = 0
     near = (_distance(free) <= closing).astype(np.uint8)
-    inside = _distance(near) > closing - margin
+    inside = _distance(near) > closing - min(margin, closing)
     region = np.zeros(shape, bool)
     region[first[1] : last[1] + 1, first[0] : last[0] + 1] = inside[pad:-pad, pad:-pad]
     return region

@@ -21,7 +21,10 @@ BLOCK = 3
 _MIDDLE = (STEP - 1) / 2
 """Place of the middle of a cell of the grid from its first pixel, px."""
 _WIDER = 2.0
-"""Margins around tracks that are few, at most, in margins around many."""
+"""Largest margin, as a multiple of the parameter, where tracks are far apart."""
+_BESIDE = 3
+"""Distance from a part, across and down, at which a track is still the part's, px."""
+_NO_TRACK = -1
 _TINY = 1e-12
 """Weight of a vote by distance alone, for pixels that resemble none of their tracks."""
 
@@ -116,19 +119,31 @@ def _draw(
 
 
 def _tidy(labels: np.ndarray, place: np.ndarray, objects: np.ndarray) -> np.ndarray:
-    """Return labels uint16 (y, x) without parts that have no track of their object, and holes that have none at all."""
+    """Return labels uint16 (y, x) without parts that have no track of their object, and holes that have no other track.
+
+    A track that lies a little outside of a part counts as the part's. Where an object's tracks all lie outside of it,
+    its largest part is kept.
+    """
     x, y = np.clip(np.rint(place).astype(int), 0, np.array(labels.shape[::-1]) - 1).T
     tidied = np.zeros_like(labels)
     for label in np.unique(labels[labels > 0]):
-        count, parts = cv2.connectedComponents((labels == label).astype(np.uint8))
+        count, parts, stats, _ = cv2.connectedComponentsWithStats((labels == label).astype(np.uint8))
         has_track = np.zeros(count, bool)
-        has_track[parts[y, x][objects == label]] = True
+        for down in range(-_BESIDE, _BESIDE + 1):
+            for across in range(-_BESIDE, _BESIDE + 1):
+                rows, columns = (
+                    np.clip(at[objects == label] + step, 0, side - 1)
+                    for at, step, side in zip((y, x), (down, across), labels.shape, strict=True)
+                )
+                has_track[parts[rows, columns]] = True
         has_track[0] = False
+        if not has_track.any():
+            has_track[1 + stats[1:, cv2.CC_STAT_AREA].argmax()] = True
         tidied[has_track[parts]] = label
-    is_track = np.zeros(labels.shape, bool)
-    is_track[y, x] = True
+    owner = np.full(labels.shape, _NO_TRACK, np.int32)
+    owner[y, x] = objects
     for hole in list(find_holes(tidied)):
-        if not is_track[hole.box][hole.inside].any():
+        if np.isin(owner[hole.box][hole.inside], (_NO_TRACK, hole.label)).all():
             tidied[hole.box][hole.inside] = hole.label
     return tidied
 
@@ -172,7 +187,7 @@ def _label_grid(
 
 
 def _margin(place: np.ndarray, params: TrackMaskParams) -> float:
-    """Return how far around its tracks an object may reach, px: the fewer tracks, the less is known of its outline."""
+    """Return how far around its tracks an object may reach, px: tracks far apart tell less of the outline."""
     if len(place) < 2:
         return params.margin * _WIDER
     spacing = np.median(cKDTree(place).query(place, k=2)[0][:, 1])

@@ -103,10 +103,10 @@ def pair_evidence(
     across /= displacement_noise(points0, points1, params.median_noise, params.median_noise_share)
     median_squared = across**2 + similar.median(far) ** 2 + similar.median(deviation.too_near) ** 2
     doubtful = np.flatnonzero((squared > params.test_above) | (median_squared > params.test_above))
+    # A marking along the road looks alike wherever the tracker is on it, but is wider where it is nearer.
+    doubtful = doubtful[roundness(images[0], points0[doubtful], _STRAIGHT_SIDE) >= params.test_roundness]
     tests = np.zeros((len(points0), 2))
     tests[doubtful] = compare_patches(*images, points0, points1, parallax, deviation.allowed, doubtful, params)
-    # A marking along the road looks alike wherever the tracker is on it, but is wider where it is nearer.
-    tests[roundness(images[0], points0, _STRAIGHT_SIDE) < params.test_roundness] = 0
     test, strict_test = (similar.mean_with_itself(each) for each in tests.T)
 
     def limited(squared, test):

@@ -11,6 +11,8 @@ _MOST = 0.9
 """Share of a group's tracks that must lie in the lowest part of the picture."""
 _EDGE, _AT_EDGE = 0.05, 0.1
 """Height above the lower edge, of the picture's, and the share of a group's tracks that must lie there."""
+_FAST = 75
+"""Percentile of the motions around the vehicle that it is compared with: some of them are of its own tracks."""
 _MIN_AROUND = 20
 """Fewest tracks of no group in the lowest part of the picture, whose motion the vehicle's is compared with."""
 
@@ -20,9 +22,9 @@ def without_own_vehicle(
 ) -> RegroupedTracks:
     """Return groups of tracks without those of a bonnet, a windscreen's frame or a handlebar.
 
-    Parts of the vehicle that carries the camera move on their own as much as any car, but nobody asks for them. They
+    Parts of the vehicle that carries the camera move on their own as much as any car, but are not wanted. They
     lie at the lower edge of the picture and stay there, while the ground beside them passes, and together they are
-    wide: a car ahead, or whoever walks before the camera, is not all of that.
+    wide: a car ahead, or whoever walks before the camera, is seldom all of that.
 
     Parameters
     ----------
@@ -47,7 +49,7 @@ def without_own_vehicle(
     around = speed[is_low & (groups.group < 0) & np.isfinite(speed)]
     if len(around) < _MIN_AROUND:
         return groups
-    slow = params.max_motion * np.median(around)
+    slow = params.max_motion * np.percentile(around, _FAST)
     stays = np.zeros(len(groups.is_static), bool)
     for number in range(len(stays)):
         own = is_seen & (groups.group == number)

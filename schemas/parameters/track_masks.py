@@ -17,14 +17,14 @@ class TrackMaskParams(Frozen):
     closing: Annotated[float, Unit.PIXELS] = Field(
         50.0,
         ge=0,
-        description="only pixels between an object's tracks count: each disc of this radius around them has a track,"
-        " px; 0: all within the radius",
+        description="only pixels between an object's tracks count: every disc of this radius that contains them"
+        " contains a track, too, px; 0: all within the radius",
     )
     margin: Annotated[float, Unit.PIXELS] = Field(
         6.0,
         ge=0,
-        description="largest distance of an object's pixel from those between its tracks, px; of tracks farther apart"
-        " as much as they are, at most twice this",
+        description="how far an object reaches around what lies between its tracks, px; where these are farther apart,"
+        " as far as they are apart, at most twice this",
     )
     edge: Annotated[float, Unit.PIXELS] = Field(
         12.0, ge=0, description="distance of tracks from the frame's edge up to which they count on it too, px"

@@ -226,14 +226,17 @@ class OwnVehicleParams(Frozen):
     min_width: Annotated[float, Unit.SHARE] = Field(
         0.5,
         gt=0,
-        description="smallest width of what rides along at the lower edge, as a share of the picture's: narrower things"
-        " may be objects; above 1: the vehicle is not looked for",
+        description="smallest width of what rides along at the lower edge, as a share of 32 columns of the picture that"
+        " have a track of it: narrower things may be objects; above 1: the vehicle is not looked for",
     )
     height: Annotated[float, Unit.SHARE] = Field(
         0.33, gt=0, le=1, description="part of the picture, from the lower edge, in which the vehicle lies"
     )
     max_motion: Annotated[float, Unit.SHARE] = Field(
-        0.1, ge=0, description="largest motion of the vehicle in the picture, as a share of the motion around it there"
+        0.1,
+        ge=0,
+        description="largest motion of the vehicle in the picture, as a share of the upper quartile of the motions"
+        " around it there",
     )
 
 

@@ -16,6 +16,8 @@ from moseg.schemas.digests import digest_bytes
 from moseg.store import open_store
 from moseg.tasks.object_points import ObjectPoints
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves
+from moseg.workflows.stages.inputs import ArtifactView, Inputs
+from moseg.workflows.stages.registry import find_stage
 
 FOUND = {"track_objects", "object_points", "proposals", "linking", "tracks"}
 DRAWN = FOUND - {"track_objects", "object_points"}
@@ -246,6 +248,30 @@ def test_objects_are_groups_of_the_candidates_tracks(evaluated_tracks):
         assert attributes.pop("own_vehicle") == 0
         assert {len(values) for values in attributes.values()} == {num_objects}
         assert found.max(initial=0) == num_objects
+
+
+def test_surfaces_do_not_bring_tracks_of_the_cameras_vehicle_back(evaluated_tracks, monkeypatch):
+    from moseg.tasks import track_objects
+
+    store, _ = evaluated_tracks
+    recipe = store.manifest(next(iter(store.refs("track_objects")))).recipe
+    given, array = [], ArtifactView.array
+
+    def without_own_vehicle(groups, points, *more):
+        return groups._replace(group=np.where(np.arange(len(points)) % 2, -1, groups.group))
+
+    def regroup_candidates(points, *more):
+        return track_objects.RegroupedTracks(np.zeros(len(points), int), np.array([False]))
+
+    judge = track_objects.judge_objects
+    monkeypatch.setattr(track_objects, "without_own_vehicle", without_own_vehicle)
+    monkeypatch.setattr(track_objects, "regroup_candidates", regroup_candidates)
+    monkeypatch.setattr(track_objects, "judge_objects", lambda *args: given.append(args) or judge(*args))
+    monkeypatch.setattr(ArtifactView, "array", lambda view, name: array(view, name) + (name == "surface"))
+    output = find_stage("track_objects").tasks[0].run(recipe.params, Inputs(store, recipe), None)
+    (groups, _, surface, *_), number = given[0], output.attributes["own_vehicle"]
+    assert number == np.count_nonzero(groups.group < 0) > 0
+    np.testing.assert_array_equal(surface == 0, groups.group < 0)
 
 
 def test_a_report_shows_the_dense_tracks(evaluated_tracks):

@@ -21,7 +21,8 @@ def _run(params, inputs, rng):
     join = CandidateParams.of_recipe(params["candidates"])
     regrouped = regroup_candidates(*tracks, candidate, samples_of(inputs), join, object_params.regroup)
     groups = without_own_vehicle(regrouped, *tracks, tuple(params["shape"]), object_params.own_vehicle)
-    surface = inputs["track_surfaces"].array("surface")
+    is_vehicle = (regrouped.group >= 0) & (groups.group < 0)
+    surface = np.where(is_vehicle, 0, inputs["track_surfaces"].array("surface"))
     found = judge_objects(groups, candidate, surface, *tracks, evidence_of(inputs), object_params)
     # The reasons for the decision.
     reasons = ("strength", "test", "num_tracks", "num_observations", "best_part", "on_surface")
@@ -29,7 +30,7 @@ def _run(params, inputs, rng):
         {"object": found.object, "is_moving": found.is_moving, "scores": found.score},
         {
             **{name: getattr(found, name).tolist() for name in reasons},
-            "own_vehicle": int(np.count_nonzero((regrouped.group >= 0) & (groups.group < 0))),
+            "own_vehicle": int(np.count_nonzero(is_vehicle)),
         },
     )
 

@@ -38,6 +38,15 @@ def test_points_near_the_edge_of_the_frame_reach_it(axis, side):
     assert not np.moveaxis(ending, 1 - axis, 0)[0 if side == "first" else -1].any()
 
 
+def test_a_margin_as_wide_as_the_disc_is_the_discs():
+    points = np.array([[40.0, 40.0], [80.0, 60.0]])
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]]
+    near = np.min([np.hypot(columns - x, rows - y) for x, y in points], axis=0)
+    for margin in (4, 6):
+        region = region_between(points, SHAPE, 4, margin, 0)
+        assert region[near <= 3].all() and not region[near > 5].any()
+
+
 def test_points_outside_the_frame_count_on_its_edge():
     region = region_between(np.array([[-3.0, 30.0], [2.0, 34.0]]), SHAPE, 10, 2, 0)
     assert region[30, 0]

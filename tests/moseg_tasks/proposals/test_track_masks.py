@@ -154,15 +154,40 @@ def test_few_tracks_know_the_outline_less_well():
     assert kernel._margin(place[:1], PARAMS) == 2 * PARAMS.margin
 
 
-def test_parts_and_holes_without_a_track_are_no_part_and_no_hole():
+def _two_parts():
+    """Return labels of an object of two parts and of another one; the first part has two holes."""
     labels = np.zeros((30, 60), np.uint16)
     labels[5:25, 5:25], labels[5:10, 40:50], labels[20:25, 40:50] = 2, 2, 3
     labels[8:12, 8:12] = labels[16:20, 16:20] = 0
+    return labels
+
+
+def test_parts_and_holes_without_a_track_are_no_part_and_no_hole():
+    labels = _two_parts()
     place, objects = np.float32([[6, 6], [17, 17], [45, 22], [45, 7]]), np.array([2, 0, 3, 3], np.uint16)
     expected = labels.copy()
     # The first hole has no track, the second one the background's; the object's other part has another object's.
     expected[8:12, 8:12], expected[5:10, 40:50] = 2, 0
     np.testing.assert_array_equal(kernel._tidy(labels, place, objects), expected)
+
+
+def test_an_objects_own_track_is_no_reason_for_a_hole():
+    labels = _two_parts()
+    tidied = kernel._tidy(labels, np.float32([[6, 6], [17, 17]]), np.array([2, 2], np.uint16))
+    assert (tidied[5:25, 5:25] == 2).all()
+
+
+@pytest.mark.parametrize(("away", "is_kept"), [(3, True), (4, False)])
+def test_a_track_a_little_outside_of_a_part_is_the_parts(away, is_kept):
+    place = np.float32([[6, 6], [49 + away, 7]])
+    tidied = kernel._tidy(_two_parts(), place, np.array([2, 2], np.uint16))
+    assert (tidied[5:10, 40:50] == 2).all() == is_kept
+
+
+def test_an_object_whose_tracks_lie_outside_keeps_its_largest_part():
+    tidied = kernel._tidy(_two_parts(), np.float32([[30, 15]]), np.array([2], np.uint16))
+    assert (tidied[5:8, 5:25] == 2).all()
+    assert not (tidied[5:10, 40:50] == 2).any()
 
 
 def test_without_moving_tracks_there_is_no_mask():

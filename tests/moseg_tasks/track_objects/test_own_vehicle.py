@@ -70,6 +70,14 @@ def test_nothing_rides_along_where_the_ground_stands_still():
     assert without_own_vehicle(groups, still, visible, (HEIGHT, WIDTH), PARAMS) is groups
 
 
+def test_tracks_of_the_vehicle_that_have_no_group_do_not_count_as_the_ground():
+    groups, points, visible = _drive(BONNET, CAR)
+    more = _block((10, 590), (270, 299), (0.1, 0.3), 110).astype(np.float32)
+    groups = groups._replace(group=np.append(groups.group, np.full(len(more), -1)))
+    points, visible = np.concatenate([points, more]), np.concatenate([visible, np.ones((len(more), NUM_FRAMES), bool)])
+    assert len(without_own_vehicle(groups, points, visible, (HEIGHT, WIDTH), PARAMS).is_static) == 1
+
+
 def test_without_a_ground_nothing_is_judged():
     groups, points, visible = _drive(BONNET)
     seen = (groups.group >= 0) | (points[:, 0, 1] < 200)
