@@ -222,7 +222,7 @@ def _roads() -> dict[str, str]:
     """Return the measurements on road scenes and where nothing moves."""
     commands = {f"roads-{motions}": f"moseg ablate {ROADS} --motions {motions}" for motions in MOTIONS}
     commands["road-outlines"] = (
-        f"python benchmarks/road_outlines/measure.py --root {DATA['kt3dmoseg'].root} --workers 0"
+        f"python benchmarks/road_outlines/measure.py --root {DATA['kt3dmoseg'].root} --workers 2"
     )
     commands["roads-fast"] = f"moseg eval {ROADS} --motions auto --quality fast"
     commands["roads-saliency"] = f"moseg eval {ROADS} --motions auto --proposals saliency"
