@@ -22,8 +22,8 @@ _MIDDLE = (STEP - 1) / 2
 """Place of the middle of a cell of the grid from its first pixel, px."""
 _WIDER = 2.0
 """Largest margin, as a multiple of the parameter, where tracks are far apart."""
-_BESIDE = 3
-"""Distance from a part, across and down, at which a track is still the part's, px."""
+_SQUARE = np.ones((7, 7), np.uint8)
+"""Around a track: a part that reaches into it is the track's."""
 _NO_TRACK = -1
 _TINY = 1e-12
 """Weight of a vote by distance alone, for pixels that resemble none of their tracks."""
@@ -128,14 +128,10 @@ def _tidy(labels: np.ndarray, place: np.ndarray, objects: np.ndarray) -> np.ndar
     tidied = np.zeros_like(labels)
     for label in np.unique(labels[labels > 0]):
         count, parts, stats, _ = cv2.connectedComponentsWithStats((labels == label).astype(np.uint8))
+        near = np.zeros(labels.shape, np.uint8)
+        near[y[objects == label], x[objects == label]] = 1
         has_track = np.zeros(count, bool)
-        for down in range(-_BESIDE, _BESIDE + 1):
-            for across in range(-_BESIDE, _BESIDE + 1):
-                rows, columns = (
-                    np.clip(at[objects == label] + step, 0, side - 1)
-                    for at, step, side in zip((y, x), (down, across), labels.shape, strict=True)
-                )
-                has_track[parts[rows, columns]] = True
+        has_track[parts[cv2.dilate(near, _SQUARE) > 0]] = True
         has_track[0] = False
         if not has_track.any():
             has_track[1 + stats[1:, cv2.CC_STAT_AREA].argmax()] = True
