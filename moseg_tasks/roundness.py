@@ -1,4 +1,4 @@
-"""Whether what an image shows around a point is more than a straight edge, along which a tracker slips."""
+"""Roundness of what an image shows around a point: none on a straight edge, along which a tracker slips."""
 
 import cv2
 import numpy as np

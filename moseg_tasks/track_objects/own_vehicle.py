@@ -20,9 +20,9 @@ _MIN_AROUND = 20
 def without_own_vehicle(
     groups: RegroupedTracks, points: np.ndarray, visible: np.ndarray, shape: tuple[int, int], params: OwnVehicleParams
 ) -> RegroupedTracks:
-    """Return groups of tracks without those of a bonnet, a windscreen's frame or a handlebar.
+    """Return groups of tracks without those of the vehicle that carries the camera, such as its bonnet.
 
-    Parts of the vehicle that carries the camera move on their own as much as any car, but are not wanted. They
+    Its parts move on their own as much as any car, but are not wanted. They
     lie at the lower edge of the picture and stay there, while the ground beside them passes, and together they are
     wide: a car ahead, or whoever walks before the camera, is seldom all of that.
 

@@ -64,8 +64,8 @@ class ObjectPointParams(Frozen):
     min_contrast: Annotated[float, Unit.SHARE] = Field(
         0.3,
         ge=0,
-        description="least contrast of a point's patch, as a share of the median of the object's tracks: what a plain"
-        " surface shows beside an object may be the encoder's, which copies blocks of the frame before",
+        description="least contrast of a point's patch, as a share of the median of the object's tracks: a plain"
+        " surface beside an object seems to follow it",
     )
     reach: Annotated[float, Unit.PIXELS] = Field(
         25.0, ge=0, description="largest distance of a new corner from a point of the object, px"

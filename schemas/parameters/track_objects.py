@@ -221,7 +221,7 @@ class RegroupParams(Frozen):
 
 
 class OwnVehicleParams(Frozen):
-    """The vehicle that carries the camera, as far as the picture shows it: a bonnet, the frame of a windscreen."""
+    """The vehicle that carries the camera, as far as the picture shows it, such as a bonnet."""
 
     min_width: Annotated[float, Unit.SHARE] = Field(
         0.5,

@@ -1,4 +1,4 @@
-"""What rides along with the camera at the lower edge of the picture."""
+"""The camera's own vehicle, which rides along at the lower edge of the picture."""
 
 import numpy as np
 import pytest
