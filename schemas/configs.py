@@ -68,6 +68,7 @@ from moseg.schemas.parameters import (
     ScreenGraphicsParams,
     SeaRaftParams,
     SeedParams,
+    SlowMotionParams,
     TrackFieldParams,
     TrackGroupParams,
     TrackMaskParams,
@@ -183,6 +184,7 @@ class PipelineConfig(Frozen):
     black_bars: BlackBarParams = BlackBarParams()
     screen_graphics: ScreenGraphicsParams = ScreenGraphicsParams()
     scene_cuts: SceneCutParams = SceneCutParams()
+    slow_motion: SlowMotionParams = SlowMotionParams()
     scene_parallax: SceneParallaxParams = SceneParallaxParams()
     local_colours: LocalColourParams = LocalColourParams()
     refinement: RefinementParams = RefinementParams()

@@ -10,6 +10,7 @@ from moseg.tasks.saliency.logits import motion_logit, probability
 from moseg.tasks.saliency.motion_memory import motion_odds, remembered_logit
 from moseg.tasks.saliency.moves_now import moves_now
 from moseg.tasks.saliency.own_motion import own_motion_misfit
+from moseg.tasks.saliency.shared_motion import share_out
 
 __all__ = [
     "AffineMotion",
@@ -27,4 +28,5 @@ __all__ = [
     "own_motion_misfit",
     "probability",
     "remembered_logit",
+    "share_out",
 ]

@@ -53,6 +53,7 @@ from moseg.schemas.parameters.scene_cuts import SceneCutParams
 from moseg.schemas.parameters.scene_parallax import SceneParallaxParams
 from moseg.schemas.parameters.screen_graphics import ScreenGraphicsParams
 from moseg.schemas.parameters.sea_raft import SeaRaftParams
+from moseg.schemas.parameters.slow_motion import SlowMotionParams
 from moseg.schemas.parameters.track_masks import TrackMaskParams
 from moseg.schemas.parameters.track_objects import (
     CandidateParams,
@@ -151,6 +152,7 @@ __all__ = [
     "SeaRaftParams",
     "SeedParams",
     "SeparationParams",
+    "SlowMotionParams",
     "TrackFieldParams",
     "TrackGroupParams",
     "TrackMaskParams",

@@ -110,7 +110,7 @@ def test_maps_are_carried_from_frame_to_frame():
     assert [steps[frame] == saliency[frame] for frame in range(5)] == [True, False, False, False, True]
     repeated = [graph.recipes[ref].params for ref in steps[1:4]]
     sides = [(params["previous"], params["next"]) for params in repeated]
-    assert sides == [(False, True), (True, True), (True, False)]
+    assert sides == [(1, 0), (0, 0), (0, 1)]
     assert all(graph.recipes[ref].inputs["saliency"] == saliency[1] for ref in steps[1:4])
     for task in ("consistency", "accumulation", "motion_memory", "coherence", "sightings"):
         assert all(list(recipe.inputs["saliency"]) == steps for recipe in _written(graph, task))
@@ -123,7 +123,7 @@ def test_maps_are_carried_from_frame_to_frame():
 def test_a_video_of_one_picture_is_read_as_before():
     """There is no other picture to see motion by: every frame is compared with the frames beside it."""
     graph = _complete("aaaa")
-    assert not _written(graph, "saliency", "repeated")
+    assert not _written(graph, "saliency", "steps")
     (flow,) = {recipe.ref for recipe in _written(graph, "flow")}
     assert next(recipe.inputs["flow"] for recipe in _written(graph, "flow_model")) == (flow, flow, flow)
 

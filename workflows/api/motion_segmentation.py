@@ -119,7 +119,8 @@ class MotionSegmentation:
             One of `cues`.
         frame : int
             Counted from 0; from -1 backwards. ``flow`` and ``residual_flow`` lead to the next frame, or to the next one
-            that does not repeat this frame: the last frame of a scene has neither.
+            that does not repeat this frame: the last frame of a scene has neither. In slow motion they are the share of
+            one frame in the motion to a frame farther away, which the last few frames of a scene do not have.
 
         Returns
         -------
@@ -144,7 +145,7 @@ class MotionSegmentation:
             raise InputError("no such cue", where="name", got=repr(name), expected=", ".join(self.cues) or "no cue")
         index = _place_frame(frame, self.num_frames)
         if index not in cue.frames:
-            reason = f"frame {index} is the last one of its scene, or repeated up to it"
+            reason = f"frame {index} is the last one of its scene, repeated up to it, or near it in slow motion"
             raise IndexError(f"{name} leads to the next frame, and {reason}")
         refs = cue.refs(index)
         if not self._store.present(set(refs)).issuperset(refs):

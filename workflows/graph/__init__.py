@@ -4,6 +4,7 @@ from moseg.workflows.graph.repetitions import Repetitions
 from moseg.workflows.graph.scenes_graph import make_graph
 from moseg.workflows.graph.sequence_graph import SequenceGraph
 from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.graph.slow_motion import SlowMotionGaps
 from moseg.workflows.graph.stretches import Stretches
 from moseg.workflows.graph.trajectory_graph import TrajectoryGraph
 from moseg.workflows.graph.trajectory_leaves import TrajectoryLeaves
@@ -13,6 +14,7 @@ __all__ = [
     "Repetitions",
     "SequenceGraph",
     "SequenceLeaves",
+    "SlowMotionGaps",
     "Stretches",
     "TrajectoryGraph",
     "TrajectoryLeaves",

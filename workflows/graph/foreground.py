@@ -96,16 +96,19 @@ class Foreground:
             section = self._sections[index]
             looked_at = self._cues.looked_at(section.start, section.stop)
             inputs["network"] = tuple(self._cues.motion_network(section.start + frame) for frame in looked_at)
-        return self._nodes.add("accumulation", inputs, origin=origin, looked_at=looked_at)
+        return self._nodes.add("accumulation", inputs, origin=origin, gap=self._gap(index), looked_at=looked_at)
 
     def _remember(self, index: int, origin: str, carried: dict[str, str]) -> str:
         inputs = {"saliency": self._steps(index), "consistency": self._consistency(index), **carried}
         inputs |= self._both("accumulation", self._accumulate, index)
-        return self._nodes.add("motion_memory", inputs, origin=origin)
+        return self._nodes.add("motion_memory", inputs, origin=origin, gap=self._gap(index))
 
     def _cohere(self, index: int, origin: str, carried: dict[str, str]) -> str:
         inputs = {"saliency": self._steps(index), "own_motion": self._own_motion(index), **carried}
-        return self._nodes.add("coherence", inputs, origin=origin)
+        return self._nodes.add("coherence", inputs, origin=origin, gap=self._gap(index))
+
+    def _gap(self, index: int) -> int:
+        return self._cues.pictures.gap_of(self._sections[index])
 
     @cached_method
     def _consistency(self, index: int) -> str:

@@ -1,7 +1,8 @@
 """Cues of frames and frame pairs: flow, inverse depth, motion saliency.
 
 Evidence of motion is read from the neighbouring pictures, which are not always the neighbouring frames: a frame that is
-repeated shows no motion to its repetition. What is carried along the flow goes from frame to frame.
+repeated shows no motion to its repetition, and slow motion shows only some pictures farther. What is carried along the
+flow goes from frame to frame.
 """
 
 from collections.abc import Iterator
@@ -23,11 +24,11 @@ class FrameCues:
     def __init__(self, nodes: Nodes):
         self._nodes = nodes
         self._config = nodes.config
-        self.pictures = Pictures(nodes.frames, nodes.leaves.repetitions)
+        self.pictures = Pictures(nodes.frames, nodes.leaves.repetitions, nodes.leaves.gaps)
 
     @cached_method
     def flow(self, frame0: int, frame1: int) -> str:
-        """Return the reference of the flow from one frame to a neighbour, or to the nearest one that differs."""
+        """Return the reference of the flow from one frame to a neighbour, or to the one that it is compared with."""
         params = self._config.flow
         if params.method in GIVEN_SOURCES:
             # Given for neighbours: from the last of the frames that repeat `frame0` on the way to `frame1`.
@@ -36,7 +37,7 @@ class FrameCues:
         return self._nodes.add("flow", {"frame0": self._nodes.frames[frame0], "frame1": self._nodes.frames[frame1]})
 
     def flow_to_next(self, frame: int) -> str:
-        """Return the reference of the flow from one frame to the next picture, which must be there."""
+        """Return the reference of the flow from one frame to the next picture it is compared with; must be there."""
         return self.flow(frame, self.pictures.next(frame))
 
     @cached_method
@@ -67,7 +68,7 @@ class FrameCues:
         params = self._config.saliency
         stop = min(start + params.selection_length, len(self.pictures) - 1)
         lasts = (self.pictures.frames(picture)[-1] for picture in range(start, stop, params.selection_step))
-        flows = tuple(self.flow(frame0, frame0 + 1) for frame0 in lasts)
+        flows = tuple(self.flow_to_next(frame) for frame in lasts if frame < self.pictures.num_followed)
         return self._nodes.add("background", {"flows": flows})
 
     @cached_method
@@ -86,16 +87,20 @@ class FrameCues:
     def steps(self, frame: int) -> str:
         """Return the reference of a frame's motion saliency with the flow to the frames right beside it.
 
-        That to a repetition is zero, which is what maps are carried along.
+        Maps are carried along it. That to a repetition is zero, and that to a picture farther away is shared out.
         """
         saliency, pictures = self.saliency(frame), self.pictures
-        repeats = {"previous": pictures.repeats_previous(frame), "next": pictures.repeats_next(frame)}
-        if not any(repeats.values()):
+        share = 1 / pictures.gap(frame)
+        shares = {
+            "previous": 0.0 if pictures.repeats_previous(frame) else share,
+            "next": 0.0 if pictures.repeats_next(frame) else share,
+        }
+        if set(shares.values()) == {1.0}:
             return saliency
-        return self._nodes.add("saliency", {"saliency": saliency}, "repeated", **repeats)
+        return self._nodes.add("saliency", {"saliency": saliency}, "steps", **shares)
 
     def _beside(self, frame: int) -> Iterator[tuple[str, int]]:
-        """Yield the sides of a frame on which there is another picture, and the nearest frame that shows it."""
+        """Yield the sides of a frame on which there is a picture to compare it with, and the nearest frame of that."""
         for side, other in (("previous", self.pictures.previous(frame)), ("next", self.pictures.next(frame))):
             if other is not None:
                 yield side, other

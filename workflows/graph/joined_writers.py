@@ -65,6 +65,11 @@ class JoinedPictures:
         frames = (first + frame for first, scene in places for frame in scene.frame_cues.pictures.followed)
         return dict.fromkeys(frames).keys()
 
+    def gap(self, frame: int) -> int:
+        """Return how many pictures farther the one is that a frame is compared with."""
+        scene, own = self._places.of_frame(frame)
+        return scene.frame_cues.pictures.gap(own)
+
     def ends_in(self, start: int, stop: int) -> dict[str, int]:
         """Return which of the frames start..stop, all of one scene, lack a neighbour."""
         scene, first = self._places.of_frame(start)

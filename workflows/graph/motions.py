@@ -38,21 +38,21 @@ class Motions:
     def residuals(self, view: str) -> tuple[str, ...]:
         """Return the references of the residuals of all sections' frame pairs under the objects' models of one kind."""
         if view == "trajs":
-            return tuple(self._fundamental_residual(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
+            return tuple(self._fundamental_residual(*pairs) for pairs in self._pairs())
         return tuple(self._flow_residual(index, num_pairs, view) for index, num_pairs in self._flow_pairs())
 
     @cached_method
     def hypotheses(self, view: str) -> tuple[str, ...]:
         """Return the references of the residuals of all sections' frame pairs under many hypotheses of one model."""
         if view == "trajs":
-            return tuple(self._track_hypotheses(*pairs) for pairs in self._pairs(self._config.fundamental.gap))
+            return tuple(self._track_hypotheses(*pairs) for pairs in self._pairs())
         return tuple(self._flow_hypotheses(index, num_pairs, view) for index, num_pairs in self._flow_pairs())
 
     @cached_method
     def tracks(self, index: int) -> str:
-        """Return the reference of a section's point tracks, which continue `gap` frames into the next section."""
+        """Return the reference of a section's point tracks, which go on into the next section as far as a pair does."""
         section = self._sections[index]
-        stop = min(section.stop + self._config.fundamental.gap, len(self._nodes.frames))
+        stop = min(section.stop + self._gap(index), len(self._nodes.frames))
         proposals = self._objects.proposals(index)
         if self._config.tracks.method in GIVEN_SOURCES:
             given = self._nodes.required("tracks", f"tracks: {self._config.tracks.method}")
@@ -73,18 +73,26 @@ class Motions:
         inputs = {"proposals": objects.proposals(index), "linking": objects.linking()}
         if objects.source_of(index) == "tracks":
             return self._nodes.add("rigid_support", inputs, "tracks", section=index)
+        pairs = self._config.rigid_support.step, self._picture_gap(index)
         inputs |= {
-            "dense_tracks": window.dense_tracks(index, self._config.rigid_support.step),
-            "rigidity": window.rigidity(index, self._config.rigid_support.step),
+            "dense_tracks": window.dense_tracks(index, *pairs),
+            "rigidity": window.rigidity(index, *pairs),
         }
         place = {"section": index, "start": window.first_row(index), **self._leaves.picture()}
         return self._nodes.add("rigid_support", inputs, "masks", **place, min_gain=objects.min_gain(index))
 
-    def _pairs(self, gap: int) -> Iterator[tuple[int, int, int]]:
+    def _gap(self, index: int) -> int:
+        """Return how many frames apart the tracks of a section are compared: farther where motion is slow."""
+        return self._config.fundamental.gap * self._picture_gap(index)
+
+    def _picture_gap(self, index: int) -> int:
+        return self._cues.pictures.gap_of(self._sections[index])
+
+    def _pairs(self) -> Iterator[tuple[int, int, int]]:
         """Yield, for every section with frame pairs, its index, the number of pairs, and their gap in frames."""
         num_frames = len(self._nodes.frames)
-        gap = min(gap, num_frames - 1)
         for index, section in enumerate(self._sections):
+            gap = min(self._gap(index), num_frames - 1)
             num_pairs = min(section.stop, num_frames - gap) - section.start
             if num_pairs > 0:
                 yield index, num_pairs, gap

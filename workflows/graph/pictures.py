@@ -4,6 +4,7 @@ from bisect import bisect_right
 from collections.abc import Collection, Sequence
 
 from moseg.schemas.recipes import Ref
+from moseg.workflows.graph.sections import Section
 
 
 class Pictures:
@@ -17,9 +18,11 @@ class Pictures:
     frames : sequence of references
     repetitions : collection of int
         Further frames that repeat the frame before them, although they were not decoded to the same.
+    gaps : sequence of int, optional
+        For each frame, how many pictures farther the one is that it is compared with; by default the next one.
     """
 
-    def __init__(self, frames: Sequence[Ref], repetitions: Collection[int] = ()):
+    def __init__(self, frames: Sequence[Ref], repetitions: Collection[int] = (), gaps: Sequence[int] = ()):
         repeated = set(repetitions)
         starts = [
             frame
@@ -28,6 +31,7 @@ class Pictures:
         ]
         self._starts = list(range(len(frames))) if len(starts) == 1 else starts
         self._num_frames = len(frames)
+        self._gaps = gaps
 
     def __len__(self) -> int:
         """Return the number of pictures."""
@@ -46,15 +50,23 @@ class Pictures:
         """Return one frame for every picture that the frames start..stop show, the first of those that show it."""
         return [frame for frame in range(start, stop) if frame == start or not self.repeats_previous(frame)]
 
+    def gap(self, frame: int) -> int:
+        """Return how many pictures farther the one is that a frame is compared with."""
+        return self._gaps[frame] if self._gaps else 1
+
+    def gap_of(self, section: Section) -> int:
+        """Return the same of a section: that of the frame in its middle."""
+        return self.gap((section.start + section.stop) // 2)
+
     def previous(self, frame: int) -> int | None:
-        """Return the nearest frame before one that shows another picture; None if there is none."""
-        start = self.frames(self.of(frame)).start
-        return start - 1 if start else None
+        """Return the nearest frame before one that shows the picture it is compared with; None if there is none."""
+        picture = self.of(frame) - self.gap(frame)
+        return self.frames(picture).stop - 1 if picture >= 0 else None
 
     def next(self, frame: int) -> int | None:
-        """Return the nearest frame after one that shows another picture; None if there is none."""
-        stop = self.frames(self.of(frame)).stop
-        return stop if stop < self._num_frames else None
+        """Return the nearest frame after one that shows the picture it is compared with; None if there is none."""
+        picture = self.of(frame) + self.gap(frame)
+        return self._starts[picture] if picture < len(self) else None
 
     def repeats_previous(self, frame: int) -> bool:
         """Return whether the frame before shows the same picture."""
@@ -66,21 +78,21 @@ class Pictures:
 
     @property
     def num_followed(self) -> int:
-        """Number of frames, from the first, that are followed by another picture."""
-        return self._starts[-1] if self._starts else 0
+        """Number of frames, from the first, that are compared with a picture after them."""
+        return self._starts[max(len(self) - self.gap(self._num_frames - 1), 0)] if self._starts else 0
 
     @property
     def followed(self) -> Sequence[int]:
-        """Frames that are followed by another picture."""
+        """Frames that are compared with a picture after them."""
         return range(self.num_followed)
 
     def ends_in(self, start: int, stop: int) -> dict[str, int]:
         """Return which of the frames start..stop lack a neighbour, as own_motion and moves_now take it.
 
-        Counted from `start`, frames up to 0 have no previous picture, and frames from `num_frames` - 1 on no next one.
+        Counted from `start`, frames up to 0 have no previous one, and frames from `num_frames` - 1 on no next one.
         Both depend on what is missing, not on the place of the frames in the video.
         """
-        first_with_previous = self.frames(0).stop
+        first_with_previous = self._starts[self.gap(0)] if self.gap(0) < len(self) else self._num_frames
         own_start = max(min(start - first_with_previous + 1, 1), start - stop + 1)
         num_seen = max(min(self.num_followed + 1, stop + 1) - start, 1)
         return {"start": own_start, "num_frames": own_start + num_seen}

@@ -50,6 +50,9 @@ class SequenceLeaves(NamedTuple):
         Graphics that are left out of the analysis; None without any.
     repetitions : tuple of int
         Frames that repeat the one before them, beside those that were decoded to the same.
+    gaps : tuple of int
+        For each frame, how many pictures farther the one is that it is compared with; none where that is the next one
+        everywhere.
     choices : tuple of StretchChoice
         The source of the proposals of every stretch, where the configuration leaves it to the camera's motion.
     cuts : tuple of int
@@ -79,6 +82,7 @@ class SequenceLeaves(NamedTuple):
     bars: BlackBars | None = None
     graphics: ScreenGraphics | None = None
     repetitions: tuple[int, ...] = ()
+    gaps: tuple[int, ...] = ()
     choices: tuple[StretchChoice, ...] = ()
     cuts: tuple[int, ...] = ()
     edits: tuple[Edit, ...] = ()
@@ -105,10 +109,12 @@ class SequenceLeaves(NamedTuple):
         return tuple(self._scene(*bounds) for bounds in pairwise((0, *self.cuts, len(self.frames))))
 
     def joined(self, scenes: Sequence["SequenceLeaves"]) -> "SequenceLeaves":
-        """Return these leaves with the repetitions and choices that were settled for their scenes."""
+        """Return these leaves with the repetitions, gaps and choices that were settled for their scenes."""
         placed = list(zip((0, *self.cuts), scenes, strict=True))
+        gaps = tuple(gap for scene in scenes for gap in scene.gaps or (1,) * len(scene.frames))
         return self._replace(
             repetitions=tuple(start + frame for start, scene in placed for frame in scene.repetitions),
+            gaps=gaps if max(gaps) > 1 else (),
             choices=tuple(choice.moved(start) for start, scene in placed for choice in scene.choices),
         )
 
@@ -122,8 +128,14 @@ class SequenceLeaves(NamedTuple):
             flow_forward=pairs(self.flow_forward),
             flow_backward=pairs(self.flow_backward),
             repetitions=tuple(frame - start for frame in self.repetitions if start <= frame < stop),
+            gaps=self._gaps(start, stop),
             choices=tuple(each.moved(-start) for each in self.choices if start <= each.first_frame < stop),
             cuts=(),
             edits=(),
             frame_size=None,
         )
+
+    def _gaps(self, start: int, stop: int) -> tuple[int, ...]:
+        """Return the gaps of frames start..stop: none where they are 1, as in a video that has no slow motion."""
+        gaps = self.gaps[start:stop]
+        return gaps if max(gaps, default=1) > 1 else ()

@@ -36,8 +36,11 @@ class TrackProposals:
         return self._sections[index].start - self.window(index).first
 
     @cached_method
-    def dense_tracks(self, index: int, step: int = 1) -> str:
-        """Return the reference of the point tracks of a section's window, for pairs `step` frames apart."""
+    def dense_tracks(self, index: int, step: int = 1, gap: int = 1) -> str:
+        """Return the reference of the point tracks of a section's window, for pairs that begin every `step` frames.
+
+        The frames of a pair are `gap` times as far apart as elsewhere.
+        """
         first, last = self.window(index)
         pairs = [(frame, frame + 1) for frame in range(first, last - 1)]
         inputs = {
@@ -45,7 +48,7 @@ class TrackProposals:
             "flow_forward": tuple(self._cues.flow(frame0, frame1) for frame0, frame1 in pairs),
             "flow_backward": tuple(self._cues.flow(frame1, frame0) for frame0, frame1 in pairs),
         }
-        return self._nodes.add("dense_tracks", inputs, step=step, **self._leaves.hidden())
+        return self._nodes.add("dense_tracks", inputs, step=step, gap=gap, **self._leaves.hidden())
 
     @cached_method
     def cameras(self, index: int) -> str:
@@ -54,15 +57,15 @@ class TrackProposals:
         return self._nodes.add("cameras", {"frames": self._nodes.frames[first:last]}, **self._leaves.picture())
 
     @cached_method
-    def rigidity(self, index: int, step: int = 1) -> str:
-        """Return the reference of the deviation of these tracks from a rigid scene, in pairs `step` frames apart."""
+    def rigidity(self, index: int, step: int = 1, gap: int = 1) -> str:
+        """Return the reference of the deviation of these tracks from a rigid scene, in the same pairs."""
         first, last = self.window(index)
-        inputs = {"dense_tracks": self.dense_tracks(index, step), "frames": self._nodes.frames[first:last]}
+        inputs = {"dense_tracks": self.dense_tracks(index, step, gap), "frames": self._nodes.frames[first:last]}
         if self._config.cameras.method != "tracks":
             inputs["cameras"] = self.cameras(index)
         elif self._config.depth.method != "none":
             inputs["depth"] = tuple(self._cues.depth(frame) for frame in range(first, last))
-        return self._nodes.add("rigidity", inputs, step=step, **self._leaves.picture())
+        return self._nodes.add("rigidity", inputs, step=step, gap=gap, **self._leaves.picture())
 
     @cached_method
     def objects(self, index: int) -> str:

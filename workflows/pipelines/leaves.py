@@ -12,6 +12,7 @@ from moseg.workflows.engine.space import video_nbytes
 from moseg.workflows.graph import GIVEN_SOURCES, SequenceLeaves, TrajectoryLeaves
 from moseg.workflows.pipelines.hidden_scene import settle_hidden
 from moseg.workflows.pipelines.repeated_frames import settle_repetitions
+from moseg.workflows.pipelines.slow_motion import settle_gaps
 from moseg.workflows.pipelines.source_choices import settle_choices
 from moseg.workflows.pipelines.video_scenes import settle_cuts
 from moseg.workflows.sources import MotionWeights, SceneFrames, working_size
@@ -27,11 +28,12 @@ def ingest_sequences(
 ) -> list[SequenceLeaves]:
     """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked.
 
-    Each is one scene. Frames that repeat others are found, and choices that `config` leaves open are settled.
+    Each is one scene. Frames that repeat others and slow motion are found, and choices that `config` leaves open are
+    settled.
     InputError is raised first where a package that it needs is missing.
     """
     leaves = settle_repetitions(session, _decode(session, sources, config, annotated), config)
-    return list(settle_choices(session, leaves, config))
+    return list(settle_choices(session, settle_gaps(session, leaves, config), config))
 
 
 def ingest_video(session: Session, source: SequenceSource, config: PipelineConfig) -> SequenceLeaves:
@@ -39,7 +41,7 @@ def ingest_video(session: Session, source: SequenceSource, config: PipelineConfi
     (leaves,) = _decode(session, [source], config, annotated=False)
     leaves = settle_cuts(session, settle_hidden(session, leaves, config), config)
     scenes = settle_repetitions(session, leaves.scenes(), config)
-    return leaves.joined(settle_choices(session, scenes, config))
+    return leaves.joined(settle_choices(session, settle_gaps(session, scenes, config), config))
 
 
 def _decode(

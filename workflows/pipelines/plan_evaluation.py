@@ -13,6 +13,7 @@ from moseg.workflows.engine.session import StageUse
 from moseg.workflows.graph import SequenceGraph, TrajectoryGraph
 from moseg.workflows.pipelines.leaves import ingest_jobs, make_leaves, make_trajectory_leaves, trajectory_jobs
 from moseg.workflows.pipelines.repeated_frames import repetition_writers, with_repetitions
+from moseg.workflows.pipelines.slow_motion import gap_writers, with_gaps
 from moseg.workflows.pipelines.source_choices import choice_recipes, with_choices
 from moseg.workflows.stages.needed_weights import needed_items
 from moseg.workflows.weights.folder import Weights, weights_leaf
@@ -37,9 +38,9 @@ def plan_evaluation(
     """Return the artifacts to compute and to reuse by stage, the weights items read, and the number of open choices.
 
     Where such a choice is not stored, the rest is counted as if saliency were chosen, and where frames that repeat
-    others were not looked for, as if there were none but those that are the same. Frames that were never ingested
-    are decoded, because keys are digests of what files decode to. With weights that are neither here nor pinned nothing
-    can have been made.
+    others, or slow motion, were not looked for, as if there were none but frames that are the same. Frames that were
+    never ingested are decoded, because keys are digests of what files decode to. With weights that are neither here nor
+    pinned nothing can have been made.
 
     Raises
     ------
@@ -59,6 +60,11 @@ def plan_evaluation(
     sinks = [ref for writer in writers for ref in writer.refs()]
     recipes = {ref: recipe for writer in writers for ref, recipe in writer.recipes.items()}
     leaves = with_repetitions(leaves, writers, _known(store, sinks))
+    gaps = gap_writers(leaves, config)
+    gap_refs = [ref for writer in gaps for ref in writer.refs()]
+    recipes |= {ref: recipe for writer in gaps for ref, recipe in writer.recipes.items()}
+    sinks.extend(gap_refs)
+    leaves = with_gaps(leaves, gaps, _known(store, gap_refs))
     written = choice_recipes(leaves, config)
     known = _known(store, written.sinks)
     recipes |= written.recipes

@@ -1,6 +1,6 @@
 """The cues of single frames by their names: motion saliency, flow, and inverse depth."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -42,7 +42,7 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
         Confidence that a pixel moves differently from the background, float32 (y, x), 0..1, on the working grid.
     ``flow``
         Motion of every pixel to the next frame, or to the next that does not repeat the frame, float32 (y, x, 2) at the
-        analysed size, px; NaN where unknown.
+        analysed size, px; NaN where unknown. In slow motion, its share of the motion to a picture farther away.
     ``residual_flow``
         The flow minus that of the background, float32 (y, x, 2) on the working grid, px of the analysed size; NaN
         where unknown.
@@ -53,6 +53,8 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
     frames, width = range(len(graph.leaves.frames)), graph.leaves.shape[1]
     followed = cues.pictures.followed
     has_saliency = graph.objects.uses_saliency
+    slow = {frame: gap for frame in followed if (gap := cues.pictures.gap(frame)) > 1}
+    gaps = {ref: gap for frame, gap in slow.items() for ref in (cues.flow_to_next(frame), cues.saliency(frame))}
     # Flow from files may be unknown in places, which saliency fills with values beside them, or with zeros.
     has_gaps = config.flow.method in GIVEN_SOURCES
 
@@ -72,9 +74,9 @@ def frame_cues(graph: SequenceGraph, config: PipelineConfig, variants: Sequence[
     if has_saliency:
         found["saliency"] = FrameCue(frames, saliency_refs, _read_saliency)
     if config.proposal_source in MOVING_SOURCES or models - {"trajs"}:
-        found["flow"] = FrameCue(followed, flow_refs, _read_flow)
+        found["flow"] = FrameCue(followed, flow_refs, partial(_read_shared_flow, gaps=gaps))
     if has_saliency:
-        read = partial(_read_residual_flow, width=width)
+        read = partial(_read_residual_flow, width=width, gaps=gaps)
         found["residual_flow"] = FrameCue(followed, residual_flow_refs, read)
     method = config.depth.method
     if method in GIVEN_SOURCES or (method != "none" and models - {"trajs", "oc"}):
@@ -98,11 +100,19 @@ def _read_flow(store: ArtifactStore, flow: str) -> np.ndarray:
     return full_flow(store.read(flow, "flow"), store.attributes(flow))
 
 
-def _read_residual_flow(store: ArtifactStore, saliency: str, flow: str | None = None, *, width: int) -> np.ndarray:
+def _read_shared_flow(store: ArtifactStore, flow: str, *, gaps: Mapping[str, int]) -> np.ndarray:
+    """Return the flow from one picture to the next, some of which are read from pictures several apart."""
+    values = _read_flow(store, flow)
+    return values / np.float32(gaps[flow]) if flow in gaps else values
+
+
+def _read_residual_flow(
+    store: ArtifactStore, saliency: str, flow: str | None = None, *, width: int, gaps: Mapping[str, int]
+) -> np.ndarray:
     """Return the residual flow, unknown where a flow that may have gaps is unknown."""
     # The second direction is the one to the next frame.
     residual = store.read(saliency, "residual_flows")[1].astype(np.float32)
-    residual *= np.float32(width / residual.shape[1])
+    residual *= np.float32(width / residual.shape[1] / gaps.get(saliency, 1))
     if flow is not None:
         is_unknown = ~np.isfinite(_read_flow(store, flow)).all(axis=-1)
         residual[resize_cue(is_unknown.astype(np.float32), residual.shape[:2]) > 0.5] = np.nan

@@ -26,6 +26,14 @@ STRICT, SALIENT, CONSISTENT = range(3)
 """Channels of the maps: strict saliency, saliency, consistency."""
 
 
+def memory_over(memory: float, gap: int) -> float:
+    """Return the share of a memory that is left after a frame, if `gap` frames move as far as one usually does.
+
+    Rounded, so that it is the same on every machine.
+    """
+    return memory if gap == 1 else round(memory ** (1 / gap), 6)
+
+
 def mean_of_passes(
     inputs: Inputs, role: str, name: str, channels: Sequence[int] = (), order: slice = slice(None)
 ) -> Iterator[np.ndarray | tuple[np.ndarray, ...]]:
@@ -125,8 +133,9 @@ def carried_row(inputs: Inputs) -> np.ndarray | None:
     return inputs["carried"].array(CARRIED) if "carried" in inputs else None
 
 
-def _params(config: PipelineConfig, origin: str, looked_at: list[int]) -> dict:
+def _params(config: PipelineConfig, origin: str, gap: int, looked_at: list[int]) -> dict:
     read = config.accumulation.model_dump(mode="json", exclude=CONSISTENCY_PARAMS)
+    read["memory"] = memory_over(read["memory"], gap)
     if not uses_motion_network(config):
         return {"from": origin, "accumulation": read}
     # Without a step each frame has a logit of its own, in the order of the frames.

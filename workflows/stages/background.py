@@ -2,7 +2,7 @@
 
 from moseg.schemas.configs import PipelineConfig
 from moseg.schemas.parameters import SaliencyParams
-from moseg.workflows.stages.flow import frame_shape
+from moseg.workflows.stages.flow import flow_on_working_grid
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -22,17 +22,10 @@ RESIDUAL_PARAMS = frozenset(
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.flow.fill_unknown import fill_unknown
-    from moseg.tasks.frame_grid import flow_on_grid, grid_shape
     from moseg.tasks.saliency import choose_background
 
     saliency_params = SaliencyParams.of_recipe(params)
-    # Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
-    reduced = []
-    for pair in inputs.all("flows"):
-        shape = frame_shape(pair)
-        grid = grid_shape(shape, saliency_params.working_side)
-        reduced.append(flow_on_grid(fill_unknown(pair.cached("flow")), grid, shape))
+    reduced = [flow_on_working_grid(pair, saliency_params.working_side) for pair in inputs.all("flows")]
     return Output({}, choose_background(reduced, saliency_params)._asdict())
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from moseg.schemas.arrays import layout
 from moseg.schemas.configs import PipelineConfig
-from moseg.workflows.stages.accumulation import CARRIED, carried_row, pass_direction, pass_flows
+from moseg.workflows.stages.accumulation import CARRIED, carried_row, memory_over, pass_direction, pass_flows
 from moseg.workflows.stages.stage import Stage
 from moseg.workflows.stages.task import Output, Task
 
@@ -24,8 +24,8 @@ def _run(params, inputs, rng):
     return Output({"misfit": np.ascontiguousarray(accumulated[order]), CARRIED: accumulated[-1]})
 
 
-def _params(config: PipelineConfig, origin: str) -> dict:
-    return {"from": origin, "memory": config.accumulation.memory}
+def _params(config: PipelineConfig, origin: str, gap: int) -> dict:
+    return {"from": origin, "memory": memory_over(config.accumulation.memory, gap)}
 
 
 ALONG_FLOW = Task("coherence", "along-flow", version=3, run=_run, params=_params, is_cue=True)

@@ -46,14 +46,19 @@ def _run(params, inputs, rng):
 
 
 def _params(
-    config: PipelineConfig, step: int = 1, bars: BlackBars | None = None, graphics: ScreenGraphics | None = None
+    config: PipelineConfig,
+    step: int = 1,
+    gap: int = 1,
+    bars: BlackBars | None = None,
+    graphics: ScreenGraphics | None = None,
 ) -> dict:
     """Return the parameters of tracks of the scene alone: what hides it is filled, with corners that stand still."""
     params = config.dense_tracks.model_dump(mode="json") | bars_params(bars)
     if graphics is not None:
         params["graphics"] = graphics.as_json()
     # A run is no shorter than the pairs that choose the focal length, nor than the shortest track that is kept.
-    reach = max(*config.rigidity.gaps, config.rigidity.focal_gap, config.dense_tracks.min_frames - 1)
+    reach = max(*config.rigidity.gaps, config.rigidity.focal_gap) * gap
+    reach = max(reach, config.dense_tracks.min_frames - 1)
     # Of pairs that are farther apart than they reach, the frames between are not tracked.
     return params if step <= reach else {**params, "runs": {"step": step, "reach": reach}}
 

@@ -36,6 +36,18 @@ def frame_shape(view: ArtifactView) -> tuple[int, int]:
     return height, width
 
 
+def flow_on_working_grid(view: ArtifactView, side: int) -> np.ndarray:
+    """Return the flow of a view's artifact on the grid of `side` px, float32 (y, x, 2), px of that grid.
+
+    Given flow has gaps where its files hold no value, but every pixel of a map needs flow.
+    """
+    from moseg.tasks.flow.fill_unknown import fill_unknown
+    from moseg.tasks.frame_grid import flow_on_grid, grid_shape
+
+    shape = frame_shape(view)
+    return flow_on_grid(fill_unknown(view.cached("flow")), grid_shape(shape, side), shape)
+
+
 def _dis_params(config: PipelineConfig) -> dict:
     return config.flow.model_dump(mode="json", exclude={"method"})
 

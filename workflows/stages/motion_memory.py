@@ -11,6 +11,7 @@ from moseg.workflows.stages.accumulation import (
     SALIENT,
     carried_row,
     mean_of_passes,
+    memory_over,
     pass_direction,
     pass_flows,
 )
@@ -36,11 +37,12 @@ def _run(params, inputs, rng):
     return Output({"odds": np.ascontiguousarray(remembered[order]), CARRIED: remembered[-1]})
 
 
-def _params(config: PipelineConfig, origin: str) -> dict:
+def _params(config: PipelineConfig, origin: str, gap: int) -> dict:
+    read = config.motion_memory.model_dump(mode="json")
     return {
         "from": origin,
         **config.foreground.model_dump(mode="json", include=EVIDENCE_PARAMS),
-        "motion_memory": config.motion_memory.model_dump(mode="json"),
+        "motion_memory": {**read, "memory": memory_over(read["memory"], gap)},
     }
 
 

@@ -85,12 +85,14 @@ def _camera(pair) -> dict:
     }
 
 
-def _params(config: PipelineConfig, step: int = 1, bars: BlackBars | None = None) -> dict:
+def _params(config: PipelineConfig, step: int = 1, gap: int = 1, bars: BlackBars | None = None) -> dict:
     has_cameras = config.cameras.method != "tracks"
     unread = set() if has_cameras else CAMERA_PARAMS
     if not has_cameras and config.depth.method == "none":
         unread |= DEPTH_PARAMS
     params = config.rigidity.model_dump(mode="json", exclude=unread) | bars_params(bars)
+    params["gaps"] = [gap * frames for frames in params["gaps"]]
+    params["focal_gap"] *= gap
     return params if step == 1 else {**params, "step": step}
 
 

@@ -41,31 +41,35 @@ def _run(params, inputs, rng):
     return Output(arrays, {"first_layers": first_layers})
 
 
-def _run_repeated(params, inputs, rng):
-    arrays = {name: inputs["saliency"].array(name).copy() for name in STAGE.arrays}
-    first_layers = list(inputs["saliency"].attributes["first_layers"])
-    for direction, side in enumerate(("previous", "next")):
-        if params[side]:
-            arrays["flows"][direction] = arrays["residual_flows"][direction] = 0
-            first_layers[direction] = None
-    return Output(arrays, {"first_layers": first_layers})
+def _run_steps(params, inputs, rng):
+    from moseg.tasks.saliency import share_out
+
+    saliency = inputs["saliency"]
+    arrays = {name: saliency.array(name) for name in STAGE.arrays}
+    shares = params["previous"], params["next"]
+    # Layers of the background are between the frames that were compared.
+    layers = zip(saliency.attributes["first_layers"], shares, strict=True)
+    first_layers = [layer if share == 1 else None for layer, share in layers]
+    moved = {name: share_out(arrays[name], shares) for name in ("flows", "residual_flows")}
+    return Output(arrays | moved, {"first_layers": first_layers})
 
 
 def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
 
 
-def _repeated_params(config: PipelineConfig, previous: bool, next: bool) -> dict:
-    """Return the parameters of a frame that the one before it shows too, or the one after it."""
+def _steps_params(config: PipelineConfig, previous: float, next: float) -> dict:
+    """Return the share of the motion to the compared picture that lies between a frame and the ones right beside it.
+
+    0 if the frame beside it shows the same picture.
+    """
     return {"previous": previous, "next": next}
 
 
 BACKGROUND_RESIDUAL = Task(
     "saliency", "background-residual", version=8, run=_run, params=_params, is_cheap=True, is_cue=True
 )
-REPEATED = Task(
-    "saliency", "repeated", version=1, run=_run_repeated, params=_repeated_params, is_cheap=True, is_cue=True
-)
+STEPS = Task("saliency", "steps", version=1, run=_run_steps, params=_steps_params, is_cheap=True, is_cue=True)
 
 STAGE = Stage(
     name="saliency",
@@ -73,11 +77,11 @@ STAGE = Stage(
     inputs={
         "frame": "the frame",
         "background": "the background's model, unless layers of motion are asked for",
-        "previous": "nearest frame before that shows another picture",
+        "previous": "frame before, of the picture that it is compared with",
         "flow_previous": "flow to it",
-        "next": "nearest frame after that shows another picture",
+        "next": "frame after, of the picture that it is compared with",
         "flow_next": "flow to it",
-        "saliency": "saliency of a frame, whose flow to its repetitions is set to zero (repeated)",
+        "saliency": "saliency of a frame, whose flow is shared out to the frames right beside it (steps)",
     },
     arrays={
         "saliency": layout("float16", "y x", "0..1", step=1 / 1024),
@@ -85,5 +89,5 @@ STAGE = Stage(
         "flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
         "residual_flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
     },
-    tasks=(BACKGROUND_RESIDUAL, REPEATED),
+    tasks=(BACKGROUND_RESIDUAL, STEPS),
 )

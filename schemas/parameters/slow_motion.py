@@ -1,0 +1,35 @@
+"""Parameters of the distance of the pictures between which motion is seen where it is slow."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from moseg.schemas.frozen import Frozen
+from moseg.schemas.units import Unit
+
+
+class SlowMotionParams(Frozen):
+    """Motion of a stretch of video, which decides how far apart the pictures of a pair are.
+
+    Lengths are px of the working grid (`saliency.working_side`), those of the fastest thousandth of the pixels.
+    """
+
+    max_gap: Annotated[int, Unit.FRAMES] = Field(
+        8, ge=1, le=16, description="largest distance of the pictures of a pair; 1 looks for no slow motion"
+    )
+    residual: Annotated[float, Unit.PIXELS] = Field(
+        7.0,
+        gt=0,
+        description="motion beside that of the background, which the distance does not exceed in any pair, px",
+    )
+    motion: Annotated[float, Unit.PIXELS] = Field(
+        24.0, gt=0, description="the same of all motion, the camera's included, px"
+    )
+    percentile: Annotated[float, Unit.PERCENT] = Field(
+        99.9, gt=50, le=100, description="percentile of the pixels' motion that is read"
+    )
+    num_pairs: Annotated[int, Unit.COUNT] = Field(8, ge=1, description="pairs of neighbouring frames read a stretch")
+    min_pairs: Annotated[int, Unit.COUNT] = Field(4, ge=1, description="the same of a short video")
+    stretch_length: Annotated[int, Unit.FRAMES] = Field(
+        64, ge=32, description="frames with one distance; a rest shorter than half of it joins the one before"
+    )

@@ -1,0 +1,220 @@
+"""Slow motion: pictures several apart that are compared, the recipes that read them, and whole runs."""
+
+import re
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from moseg.schemas.configs import PipelineConfig, Variant
+from moseg.schemas.digests import digest_bytes
+from moseg.store import open_store
+from moseg.workflows.graph import SequenceGraph, SequenceLeaves, SlowMotionGaps, make_graph
+from moseg.workflows.graph.pictures import Pictures
+
+NUM_FRAMES = 40
+REFS = {
+    role: f"{task}/{digest_bytes('test', task.encode())}"
+    for role, task in {"annotation": "annotation", "motion_weights": "motion_weights"}.items()
+}
+
+
+def _frames(numbers):
+    return tuple(f"frame/{digest_bytes('test', str(number).encode())}" for number in numbers)
+
+
+def _leaves(numbers=range(NUM_FRAMES), **given):
+    return SequenceLeaves("toy", (48, 64), _frames(numbers), num_motions=2, **REFS, **given)
+
+
+def _config(**values):
+    return PipelineConfig.model_validate({"sections": {"length": 10, "overlap": 3}} | values)
+
+
+def _graph(gaps=(), **values):
+    graph = SequenceGraph(_leaves(gaps=gaps), _config(proposal_source="saliency", **values))
+    graph.score(Variant.FUSED)
+    graph.moves_now(Variant.FUSED)
+    graph.cues()
+    return graph
+
+
+def _written(graph, task):
+    return [recipe for recipe in graph.recipes.values() if recipe.task == task]
+
+
+def test_a_frame_is_compared_with_the_pictures_so_far_away():
+    pictures = Pictures(_frames("abbcde"), gaps=(2,) * 6)
+    assert [pictures.next(frame) for frame in range(6)] == [3, 4, 4, 5, None, None]
+    assert [pictures.previous(frame) for frame in range(6)] == [None, None, None, 0, 2, 3]
+    assert list(pictures.followed) == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("gaps", [(3,) * 40, (4,) * 20 + (1,) * 20, (1,) * 20 + (4,) * 20])
+@pytest.mark.parametrize("length", [1, 7, 40])
+def test_frames_without_a_neighbour_are_those_at_the_ends(gaps, length):
+    pictures = Pictures(_frames(range(40)), gaps=gaps)
+    for start in range(0, 40, length):
+        stop = min(start + length, 40)
+        place = pictures.ends_in(start, stop)
+        for t, frame in enumerate(range(start, stop), place["start"]):
+            assert (t > 0) == (pictures.previous(frame) is not None)
+            assert (t + 1 < place["num_frames"]) == (pictures.next(frame) is not None)
+    assert [frame for frame in range(40) if pictures.next(frame) is not None] == list(pictures.followed)
+
+
+def test_no_frame_lacks_both_neighbours():
+    pictures = Pictures(_frames(range(64)), gaps=(8,) * 64)
+    assert all(pictures.next(frame) or pictures.previous(frame) is not None for frame in range(64))
+
+
+def test_a_video_without_slow_motion_has_none_of_it_in_its_keys():
+    assert _graph((1,) * NUM_FRAMES).recipes.keys() == _graph().recipes.keys()
+
+
+def test_what_is_carried_goes_from_frame_to_frame_by_a_share_of_the_flow():
+    graph = _graph((4,) * NUM_FRAMES)
+    cues = graph.frame_cues
+    assert cues.flow_to_next(3) == cues.flow(3, 7)
+    assert cues.saliency(20) != cues.steps(20)
+    assert graph.recipes[cues.saliency(20)].inputs["previous"] == graph.leaves.frames[16]
+    params = graph.recipes[cues.steps(20)].params
+    assert (params["previous"], params["next"]) == (0.25, 0.25)
+    saliency = [cues.saliency(frame) for frame in range(NUM_FRAMES)]
+    steps = [cues.steps(frame) for frame in range(NUM_FRAMES)]
+    for task, known in (("accumulation", steps), ("coherence", steps), ("own_motion", saliency)):
+        assert all(set(recipe.inputs["saliency"]) < set(known) for recipe in _written(graph, task))
+
+
+def test_what_was_seen_is_remembered_over_as_many_more_frames():
+    def memories(gaps):
+        graph = _graph(gaps)
+        accumulated = {recipe.params["accumulation"]["memory"] for recipe in _written(graph, "accumulation")}
+        remembered = {recipe.params["motion_memory"]["memory"] for recipe in _written(graph, "motion_memory")}
+        return accumulated, {recipe.params["memory"] for recipe in _written(graph, "coherence")}, remembered
+
+    for usual, slow in zip(memories(()), memories((4,) * NUM_FRAMES), strict=True):
+        assert [memory**4 for memory in slow] == pytest.approx([*usual], abs=1e-5)
+
+
+def test_motion_models_and_the_background_read_the_same_pairs():
+    graph = _graph((4,) * NUM_FRAMES)
+    far = {graph.frame_cues.flow(frame, frame + 4) for frame in range(NUM_FRAMES - 4)}
+    assert set(graph.cues()) >= far
+    for task, role in (("flow_model", "flow"), ("background", "flows")):
+        assert all(set(recipe.inputs[role]) <= far for recipe in _written(graph, task))
+    assert {recipe.params["gap"] for recipe in _written(graph, "fundamental")} == {4 * PipelineConfig().fundamental.gap}
+
+
+def test_a_rigid_scene_is_asked_over_pairs_as_far_apart():
+    def gaps(pictures_apart):
+        graph = _graph(pictures_apart, rigid_support={"use": "always"})
+        (params,) = {str((recipe.params["gaps"], recipe.params["focal_gap"])) for recipe in _written(graph, "rigidity")}
+        return params
+
+    default = PipelineConfig().rigidity
+    assert gaps((2,) * NUM_FRAMES) == str(([2 * gap for gap in default.gaps], 2 * default.focal_gap))
+    assert gaps(()) == str((list(default.gaps), default.focal_gap))
+
+
+def test_scenes_are_compared_within_themselves():
+    first, second = (3,) * 16, (1,) * 24
+    whole = make_graph(_leaves(gaps=first + second, cuts=(16,)), _config(proposal_source="saliency"))
+    one, two = (SequenceGraph(leaves, _config(proposal_source="saliency")) for leaves in whole.leaves.scenes())
+    assert two.leaves.gaps == () and one.leaves.gaps == first
+    assert whole.frame_cues.saliency(15) == one.frame_cues.saliency(15)
+    assert whole.frame_cues.saliency(16) == two.frame_cues.saliency(0)
+    assert [whole.frame_cues.pictures.gap(frame) for frame in (15, 16)] == [3, 1]
+    assert whole.leaves._replace(gaps=()).joined(whole.leaves.scenes()).gaps == first + second
+    assert _leaves(cuts=(16,)).joined(_leaves(cuts=(16,)).scenes()).gaps == ()
+
+
+def _search(numbers, **values):
+    writer = SlowMotionGaps(_leaves(numbers), _config(**values))
+    return writer, [writer.recipes[ref] for ref in writer.refs()]
+
+
+def test_every_stretch_has_a_distance_of_its_own():
+    writer, recipes = _search(range(150))
+    assert [len(recipe.inputs["flows"]) for recipe in recipes] == [8, 8]
+    assert writer.gaps([2, 1]) == (2,) * 64 + (1,) * 86
+    assert writer.gaps([1, 1]) == ()
+
+
+def test_the_place_of_a_stretch_is_in_no_key():
+    (first, second), (_, same) = _search(range(128))[1], _search([*range(200, 264), *range(64, 128)])[1]
+    assert second.ref == same.ref != first.ref
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"slow_motion": {"max_gap": 1}}, {"proposal_source": "tracks"}, {"flow": {"method": "folder"}}],
+    ids=["off", "tracks", "given-flow"],
+)
+def test_slow_motion_is_not_looked_for_where_nothing_reads_it(values):
+    assert not _search(range(150), **values)[1]
+
+
+def test_a_short_scene_has_no_room_for_distant_pairs():
+    assert not _search(range(15))[1]
+    (recipe,) = _search(range(31))[1]
+    assert recipe.params["longest"] == 3
+    # Frames that repeat are no room.
+    assert not _search([number // 3 for number in range(45)])[1]
+
+
+HEIGHT, WIDTH, SIDE, SPEED = 120, 192, 36, 0.2
+"""The square moves by this many px from frame to frame, before a camera that stands."""
+
+
+@pytest.fixture(scope="module")
+def slow_video(tmp_path_factory):
+    """Return a folder of frames and masks of a square that moves slowly, with noise, in the layout of a user's data."""
+    rng = np.random.default_rng(5)
+
+    def texture(height, width):
+        image = cv2.GaussianBlur(rng.integers(0, 256, (height, width, 3)).astype(np.float32), (0, 0), 1.5)
+        return 128 + (image - 128) * 2
+
+    backdrop, square = texture(HEIGHT, WIDTH), texture(SIDE, SIDE)
+    folder = tmp_path_factory.mktemp("slow") / "square"
+    for kind in ("frames", "masks"):
+        (folder / kind).mkdir(parents=True)
+    for number in range(48):
+        shift = np.float32([[1, 0, 60 + SPEED * number], [0, 1, 40]])
+        moved = cv2.warpAffine(square, shift, (WIDTH, HEIGHT))
+        mask = cv2.warpAffine(np.ones((SIDE, SIDE), np.float32), shift, (WIDTH, HEIGHT))[..., None]
+        image = backdrop * (1 - mask) + moved * mask + rng.normal(0, 3, (HEIGHT, WIDTH, 3))
+        Image.fromarray(np.clip(image, 0, 255).astype(np.uint8)).save(folder / "frames" / f"{number:05}.png")
+        Image.fromarray((mask[..., 0] > 0.5).astype(np.uint8)).save(folder / "masks" / f"{number:05}.png")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def evaluated(slow_video, tmp_path_factory):
+    """Return the store, and J by the largest distance of pictures that is allowed."""
+    import moseg
+
+    store = tmp_path_factory.mktemp("store")
+    scores = {}
+    for max_gap in (1, 8):
+        config = {"slow_motion": {"max_gap": max_gap}}
+        report = moseg.evaluate("folder", config, root=slow_video.parent, motions="auto", store=store, progress=False)
+        scores[max_gap] = report.rows[0].mean.J
+    return store, scores
+
+
+def test_what_moves_slowly_is_found(evaluated):
+    store, scores = evaluated
+    assert scores[8] > 80
+    assert scores[8] > scores[1] + 20
+    (ref,) = open_store(str(store), create=False).refs("slow_motion")
+    assert open_store(str(store), create=False).attributes(ref)["gap"] > 3
+
+
+def test_a_plan_knows_the_distance_that_was_chosen(evaluated, slow_video, moseg):
+    options = ("--dataset", "folder", "--root", slow_video.parent, "--motions", "auto")
+    planned = moseg("plan", *options, "--store", evaluated[0])
+    assert (planned.code, planned.err) == (0, "")
+    assert re.search(r"^0 artifacts to compute, \d+ to reuse", planned.out, re.MULTILINE)

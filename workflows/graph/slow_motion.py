@@ -1,0 +1,57 @@
+"""Distances of the pictures of pairs, which are settled before the rest of a sequence's graph is written."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from moseg.schemas.configs import SALIENCY_SOURCES, PipelineConfig
+from moseg.schemas.recipes import Recipe
+from moseg.workflows.graph.frame_cues import FrameCues
+from moseg.workflows.graph.nodes import Nodes
+from moseg.workflows.graph.sequence_leaves import GIVEN_SOURCES, SequenceLeaves
+from moseg.workflows.graph.stretches import Stretch, cut_stretches
+
+_PICTURES_PER_GAP = 8
+"""Pictures that a scene has at least for each picture that the two of a pair are apart."""
+
+
+class SlowMotionGaps:
+    """Writer of the recipes of how far apart the pictures of pairs are, one for each stretch of a sequence.
+
+    Only saliency asks for them, and it needs flow between any two frames.
+    """
+
+    def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
+        self._nodes = Nodes(leaves, config)
+        self._params = config.slow_motion
+        self._cues = FrameCues(self._nodes)
+        num_frames = len(self._nodes.frames)
+        self._longest = min(self._params.max_gap, len(self._cues.pictures) // _PICTURES_PER_GAP)
+        is_read = config.proposal_source in SALIENCY_SOURCES and config.flow.method not in GIVEN_SOURCES
+        is_searched = is_read and self._longest > 1
+        self._stretches = cut_stretches(num_frames, self._params.stretch_length) if is_searched else ()
+
+    @property
+    def recipes(self) -> dict[str, Recipe]:
+        """Recipes written so far, by reference."""
+        return self._nodes.recipes
+
+    def refs(self) -> tuple[str, ...]:
+        """Return the reference of each stretch's distance."""
+        return tuple(map(self._search, self._stretches))
+
+    def gaps(self, found: Sequence[int]) -> tuple[int, ...]:
+        """Return the distance of every frame from those found in each stretch; nothing where all are 1."""
+        if max(found, default=1) == 1:
+            return ()
+        stretches = zip(self._stretches, found, strict=True)
+        return tuple(gap for stretch, gap in stretches for _ in range(*stretch))
+
+    def _search(self, stretch: Stretch) -> str:
+        num_frames = stretch.stop - stretch.start
+        wanted = round(self._params.num_pairs * num_frames / self._params.stretch_length)
+        num_pairs = min(max(wanted, self._params.min_pairs), max(self._params.num_pairs, self._params.min_pairs))
+        last = min(stretch.stop, self._cues.pictures.num_followed) - 1
+        firsts = sorted(set(np.linspace(stretch.start, last, num_pairs).round().astype(int).tolist()))
+        flows = tuple(map(self._cues.flow_to_next, firsts))
+        return self._nodes.add("slow_motion", {"flows": flows}, longest=self._longest)
