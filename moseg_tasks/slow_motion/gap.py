@@ -18,7 +18,7 @@ class SlowMotion(NamedTuple):
     gap : int
         Distance of the pictures of a pair, 1 where motion is not slow.
     residual : float
-        Motion from frame to frame that is not the background's, px: that of the fastest pair.
+        Motion from frame to frame that is not the background's, px, which most pairs do not exceed.
     motion : float
         Motion from frame to frame, the camera's included, px: that of the fastest pair.
     """
@@ -36,7 +36,7 @@ def choose_gap(
     Flow has an error of some tenths of a pixel however little moves, so that what moves by less from frame to frame (a
     film in slow motion or of many frames a second, a far or slow thing) does not rise above it. Farther apart, it
     does. Parallax grows as well: the whole motion apart from the background's is brought to what it is in ordinary
-    videos, not beyond. What moves fast for a moment only counts too.
+    videos, not beyond.
 
     Parameters
     ----------
@@ -56,7 +56,8 @@ def choose_gap(
     for flow in flows:
         residuals.append(np.percentile(fit_layers(flow, saliency_params).residual, params.percentile))
         motions.append(np.percentile(vector_length(flow), params.percentile))
-    residual, motion = float(max(residuals)), float(max(motions))
+    residual = float(np.quantile(residuals, params.pairs, method="higher"))
+    motion = float(max(motions))
     # Nothing at all moves in a film of one picture.
     shares = [limit / moved for limit, moved in ((params.residual, residual), (params.motion, motion)) if moved > 0]
     return SlowMotion(max(int(min([longest, *shares])), 1), residual, motion)

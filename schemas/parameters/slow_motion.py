@@ -20,10 +20,16 @@ class SlowMotionParams(Frozen):
     residual: Annotated[float, Unit.PIXELS] = Field(
         7.0,
         gt=0,
-        description="motion beside that of the background, which the distance does not exceed in any pair, px",
+        description="motion beside that of the background, to which the distance brings that of most pairs, px",
+    )
+    pairs: Annotated[float, Unit.SHARE] = Field(
+        0.75,
+        gt=0,
+        le=1,
+        description="share of the pairs that is to move no more than this; a part of a pair counts as one",
     )
     motion: Annotated[float, Unit.PIXELS] = Field(
-        24.0, gt=0, description="the same of all motion, the camera's included, px"
+        24.0, gt=0, description="motion that no pair exceeds at the distance, the camera's included, px"
     )
     percentile: Annotated[float, Unit.PERCENT] = Field(
         99.9, gt=50, le=100, description="percentile of the pixels' motion that is read"

@@ -39,9 +39,13 @@ def test_the_motion_of_the_camera_is_limited_for_itself():
     assert _gap(_flow(camera=30)) == 1
 
 
-def test_what_moves_fast_for_a_moment_decides():
-    assert _gap(*[_flow(mover=0.5)] * 5, _flow(mover=3.4)) == 2
-    assert _gap(*[_flow()] * 5, _flow(camera=7)) == 3
+def test_one_pair_of_many_may_move_faster_but_only_so_much():
+    slow = [_flow(mover=0.5)] * 7
+    assert _gap(*slow, _flow(mover=2.9)) == 8
+    assert _gap(*slow, _flow(mover=5)) == 4
+    assert _gap(*slow[:6], _flow(mover=3.4), _flow(mover=3.4)) == 2
+    assert _gap(*slow[:3], _flow(mover=3.4)) == 2
+    assert _gap(*slow, _flow(camera=7)) == 3
 
 
 def test_nothing_at_all_moves():
