@@ -20,7 +20,7 @@ from moseg.schemas.parameters import SlowMotionParams
 from moseg.tasks.synthetic import SCENES, STILL_SCENES
 
 MOVERS = ("handheld-jitter", "occlusion", "slow-mover", "small-fast", "static-camera", "strong-parallax")
-FACTORS = (1, 2, 4, 8)
+FACTORS = (1, 4)
 """How many times as many frames."""
 MAX_GAPS = {"neighbours": 1, "chosen": SlowMotionParams().max_gap}
 """Largest distance of the pictures of a pair."""

@@ -35,7 +35,7 @@ class _Layers(NamedTuple):
     explained: float  # share of a single motion's residual
 
 
-def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: IdentityParams) -> np.ndarray:
+def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: IdentityParams, gap: int = 1) -> np.ndarray:
     """Split components of two or more motions that belong to different objects.
 
     A component is two objects if in several frames two affine motions explain it and one does not, each motion has a
@@ -47,8 +47,10 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
     labels : uint16 or int32 (T, h, w)
         Component of each pixel of the working grid; 0 = background.
     residual_flows : float32 (T, 2, h, w, 2)
-        Flow to the previous and to the next frame less the background's, px/frame; zeros where there is no such frame.
+        Flow to the previous and to the next frame less the background's, px; zeros where there is no such frame.
     params : IdentityParams
+    gap : int, optional
+        Pictures from a frame to those that the flow leads to.
 
     Returns
     -------
@@ -69,7 +71,8 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
         waiting, parts = [label] * (box is not None), 1
         while waiting and parts < params.split_parts:
             current = waiting.pop()
-            second = _second_object(result[box] == current, residual_flows[box[0], :, box[1], box[2]], labels, params)
+            moved = residual_flows[box[0], :, box[1], box[2]]
+            second = _second_object(result[box] == current, moved, labels, params, gap)
             if second is not None:
                 newest, parts = newest + 1, parts + 1
                 result[box][second] = newest
@@ -78,7 +81,7 @@ def split_touching(labels: np.ndarray, residual_flows: np.ndarray, params: Ident
 
 
 def _second_object(
-    component: np.ndarray, residual_flows: np.ndarray, labels: np.ndarray, params: IdentityParams
+    component: np.ndarray, residual_flows: np.ndarray, labels: np.ndarray, params: IdentityParams, gap: int
 ) -> np.ndarray | None:
     """Return the smaller of a component's two objects, bool (T, h, w); None where it is one."""
     areas = component.sum(axis=(1, 2))
@@ -94,7 +97,7 @@ def _second_object(
     if len(broken) < params.split_frames:
         return None
     layers = _follow_layers(samples, [residual for residual, _ in singles], broken, step, params)
-    if not _is_apart([layer for layer in layers if layer is not None and min(layer.areas) >= min_area], params):
+    if not _is_apart([layer for layer in layers if layer is not None and min(layer.areas) >= min_area], params, gap):
         return None
     second = np.zeros(component.shape, bool)
     for t, layer in enumerate(layers):
@@ -163,12 +166,12 @@ def _weigh(samples: VelocitySamples, motions: TwoMotions, single: float, step: i
     return _Layers((first, second), areas, relative, float(np.hypot(*relative)) / spread, explained)
 
 
-def _is_apart(seen: Sequence[_Layers], params: IdentityParams) -> bool:
+def _is_apart(seen: Sequence[_Layers], params: IdentityParams, gap: int) -> bool:
     """Check whether the motions of the frames in which both are seen are of two objects."""
     if len(seen) < params.split_frames:
         return False
     size = np.sqrt(np.median([min(layer.areas) for layer in seen]))
-    travel = np.hypot(*np.sum([layer.relative for layer in seen], axis=0))
+    travel = np.hypot(*np.sum([layer.relative for layer in seen], axis=0)) / gap
     return bool(
         np.median([layer.explained for layer in seen]) >= params.split_explained
         and np.median([layer.separation for layer in seen]) >= params.split_separation

@@ -56,7 +56,7 @@ def choose_gap(
     for flow in flows:
         residuals.append(np.percentile(fit_layers(flow, saliency_params).residual, params.percentile))
         motions.append(np.percentile(vector_length(flow), params.percentile))
-    residual = float(np.quantile(residuals, params.pairs, method="higher"))
+    residual = float(np.quantile(residuals, params.share_of_pairs, method="inverted_cdf"))
     motion = float(max(motions))
     # Nothing at all moves in a film of one picture.
     shares = [limit / moved for limit, moved in ((params.residual, residual), (params.motion, motion)) if moved > 0]

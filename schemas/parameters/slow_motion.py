@@ -22,11 +22,8 @@ class SlowMotionParams(Frozen):
         gt=0,
         description="motion beside that of the background, to which the distance brings that of most pairs, px",
     )
-    pairs: Annotated[float, Unit.SHARE] = Field(
-        0.75,
-        gt=0,
-        le=1,
-        description="share of the pairs that is to move no more than this; a part of a pair counts as one",
+    share_of_pairs: Annotated[float, Unit.SHARE] = Field(
+        0.875, gt=0, le=1, description="share of the pairs that is to move no more than this"
     )
     motion: Annotated[float, Unit.PIXELS] = Field(
         24.0, gt=0, description="motion that no pair exceeds at the distance, the camera's included, px"

@@ -1,6 +1,7 @@
 """Slow motion: pictures several apart that are compared, the recipes that read them, and whole runs."""
 
 import re
+from collections import defaultdict
 
 import cv2
 import numpy as np
@@ -12,6 +13,7 @@ from moseg.schemas.digests import digest_bytes
 from moseg.store import open_store
 from moseg.workflows.graph import SequenceGraph, SequenceLeaves, SlowMotionGaps, make_graph
 from moseg.workflows.graph.pictures import Pictures
+from moseg.workflows.pipelines.video_clips import cue_config
 
 NUM_FRAMES = 40
 REFS = {
@@ -52,9 +54,12 @@ def test_a_frame_is_compared_with_the_pictures_so_far_away():
 
 
 @pytest.mark.parametrize("gaps", [(3,) * 40, (4,) * 20 + (1,) * 20, (1,) * 20 + (4,) * 20])
+@pytest.mark.parametrize(
+    "numbers", [[*range(40)], [*range(21)] + [20] * 19, [0] * 20 + [*range(20)]], ids=["plain", "end", "start"]
+)
 @pytest.mark.parametrize("length", [1, 7, 40])
-def test_frames_without_a_neighbour_are_those_at_the_ends(gaps, length):
-    pictures = Pictures(_frames(range(40)), gaps=gaps)
+def test_frames_without_a_neighbour_are_those_at_the_ends(gaps, numbers, length):
+    pictures = Pictures(_frames(numbers), gaps=gaps)
     for start in range(0, 40, length):
         stop = min(start + length, 40)
         place = pictures.ends_in(start, stop)
@@ -104,18 +109,72 @@ def test_motion_models_and_the_background_read_the_same_pairs():
     assert set(graph.cues()) >= far
     for task, role in (("flow_model", "flow"), ("background", "flows")):
         assert all(set(recipe.inputs[role]) <= far for recipe in _written(graph, task))
-    assert {recipe.params["gap"] for recipe in _written(graph, "fundamental")} == {4 * PipelineConfig().fundamental.gap}
+
+
+@pytest.mark.parametrize(("overlap", "gap"), [(3, 3), (8, 8), (12, 12), (20, 12)])
+def test_tracks_are_compared_as_far_apart_as_objects_are_known(overlap, gap):
+    graph = _graph((4,) * NUM_FRAMES, sections={"length": 20, "overlap": overlap})
+    assert PipelineConfig().fundamental.gap == 3
+    assert {recipe.params["gap"] for recipe in _written(graph, "fundamental")} == {gap}
 
 
 def test_a_rigid_scene_is_asked_over_pairs_as_far_apart():
     def gaps(pictures_apart):
-        graph = _graph(pictures_apart, rigid_support={"use": "always"})
+        one_section = {"length": NUM_FRAMES, "overlap": 3}
+        graph = _graph(pictures_apart, rigid_support={"use": "always"}, sections=one_section)
         (params,) = {str((recipe.params["gaps"], recipe.params["focal_gap"])) for recipe in _written(graph, "rigidity")}
         return params
 
     default = PipelineConfig().rigidity
     assert gaps((2,) * NUM_FRAMES) == str(([2 * gap for gap in default.gaps], 2 * default.focal_gap))
     assert gaps(()) == str((list(default.gaps), default.focal_gap))
+    # Half of the window's frames begin a pair.
+    assert gaps((8,) * NUM_FRAMES) == gaps((NUM_FRAMES // 8,) * NUM_FRAMES)
+
+
+def test_cameras_by_a_network_are_those_of_the_usual_pairs():
+    values = {"rigid_support": {"use": "always"}, "cameras": {"method": "depth-anything-3"}}
+    leaves = _leaves(gaps=(2,) * NUM_FRAMES, weights=defaultdict(lambda: REFS["motion_weights"]))
+    graph = SequenceGraph(leaves, _config(proposal_source="saliency", **values))
+    graph.score(Variant.FUSED)
+    assert {tuple(recipe.params["gaps"]) for recipe in _written(graph, "rigidity")} == {PipelineConfig().rigidity.gaps}
+
+
+def test_objects_are_told_apart_by_the_way_of_each_frame():
+    (known,) = {recipe.params.get("gap", 1) for recipe in _written(_graph((4,) * NUM_FRAMES), "components")}
+    assert known == 4
+    assert all("gap" not in recipe.params for recipe in _written(_graph(), "components"))
+
+
+def test_the_network_sees_only_frames_that_are_compared_with_each_other():
+    cues = _graph((8,) * 20 + (1,) * 20).frame_cues
+    inputs = [cues._nodes.recipes[cues.motion_network(frame)].inputs for frame in (10, 15, 20, 30)]
+    assert [("previous" in each, "next" in each) for each in inputs] == [
+        (True, True),
+        (True, False),
+        (False, True),
+        (True, True),
+    ]
+
+
+def test_a_run_of_the_background_has_pairs():
+    graph = _graph((4,) * NUM_FRAMES, saliency={"selection_length": 9})
+    assert all(len(recipe.inputs["flows"]) > 1 for recipe in _written(graph, "background"))
+
+
+def test_a_trained_network_sees_motion_from_picture_to_picture():
+    assert cue_config(PipelineConfig()).slow_motion.max_gap == 1
+
+
+@pytest.mark.parametrize("numbers", [[*range(50)] + [49] * 60, [*range(64)] + [63] * 60, [0] * 70 + [*range(60)]])
+def test_a_frozen_end_or_start_is_no_stretch_of_its_own(numbers):
+    writer, recipes = _search(numbers, motion_network={"use": "never"})
+    gaps = writer.gaps([4] * len(recipes))
+    assert len(gaps) == len(numbers) and set(gaps) == {4}
+    graph = SequenceGraph(_leaves(numbers, gaps=gaps), _config(proposal_source="saliency"))
+    graph.score(Variant.FUSED)
+    graph.moves_now(Variant.FUSED)
+    assert len(graph.cues()) > 10
 
 
 def test_scenes_are_compared_within_themselves():

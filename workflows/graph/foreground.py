@@ -31,7 +31,9 @@ class Foreground:
         steps = self.steps(section.start, section.proposal_stop)
         if steps != inputs["saliency"]:
             inputs["steps"] = steps
-        return self._nodes.add("components", inputs, num_frames=section.proposal_stop - section.start)
+        return self._nodes.add(
+            "components", inputs, num_frames=section.proposal_stop - section.start, gap=self._gap(index)
+        )
 
     def foregrounds(self, index: int) -> tuple[str, ...]:
         """Return the references of the foreground of all frames in which a section's objects are labelled."""

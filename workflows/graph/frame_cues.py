@@ -53,10 +53,12 @@ class FrameCues:
 
         A run of pictures shares it, and it reads pairs at fixed places: more frames of a video change few keys.
         """
-        params, num_pictures, picture = self._config.saliency, len(self.pictures), self.pictures.of(frame)
-        if params.background == "layers" or num_pictures < 2:
+        params, followed = self._config.saliency, self.pictures.num_followed
+        if params.background == "layers" or len(self.pictures) < 2:
             return None
-        length = params.selection_length
+        # Of the pictures that are compared with a later one, and one more.
+        num_pictures = self.pictures.of(followed - 1) + 2
+        length, picture = params.selection_length, min(self.pictures.of(frame), num_pictures - 1)
         start = picture - picture % length
         # The last run joins the one before it if it is too short to choose a model.
         if start and num_pictures - start < length / 2:
@@ -66,9 +68,10 @@ class FrameCues:
     @cached_method
     def _select_background(self, start: int) -> str:
         params = self._config.saliency
-        stop = min(start + params.selection_length, len(self.pictures) - 1)
+        followed = self.pictures.num_followed
+        stop = min(start + params.selection_length, self.pictures.of(followed - 1) + 1)
         lasts = (self.pictures.frames(picture)[-1] for picture in range(start, stop, params.selection_step))
-        flows = tuple(self.flow_to_next(frame) for frame in lasts if frame < self.pictures.num_followed)
+        flows = tuple(self.flow_to_next(min(frame, followed - 1)) for frame in lasts)
         return self._nodes.add("background", {"flows": flows})
 
     @cached_method
@@ -90,14 +93,16 @@ class FrameCues:
         Maps are carried along it. That to a repetition is zero, and that to a picture farther away is shared out.
         """
         saliency, pictures = self.saliency(frame), self.pictures
-        share = 1 / pictures.gap(frame)
+        share, beside = 1 / pictures.gap(frame), dict(self._beside(frame))
         shares = {
             "previous": 0.0 if pictures.repeats_previous(frame) else share,
             "next": 0.0 if pictures.repeats_next(frame) else share,
         }
         if set(shares.values()) == {1.0}:
             return saliency
-        return self._nodes.add("saliency", {"saliency": saliency}, "steps", **shares)
+        return self._nodes.add(
+            "saliency", {"saliency": saliency}, "steps", **shares, given=[side in beside for side in shares]
+        )
 
     def _beside(self, frame: int) -> Iterator[tuple[str, int]]:
         """Yield the sides of a frame on which there is a picture to compare it with, and the nearest frame of that."""
@@ -133,5 +138,8 @@ class FrameCues:
             "network": self._nodes.required("motion_weights", "motion network"),
         }
         for side, other in self._beside(frame):
-            inputs |= {side: frames[other], f"saliency_{side}": self.saliency(other)}
+            back = self.pictures.next(other) if side == "previous" else self.pictures.previous(other)
+            # At the border of slow motion the other frame may be compared with another picture.
+            if back is not None and self.pictures.of(back) == self.pictures.of(frame):
+                inputs |= {side: frames[other], f"saliency_{side}": self.saliency(other)}
         return self._nodes.add("motion_network", inputs)

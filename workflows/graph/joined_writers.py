@@ -60,7 +60,7 @@ class JoinedPictures:
 
     @property
     def followed(self) -> Collection[int]:
-        """Frames that are followed by another picture of their scene."""
+        """Frames that are compared with a later picture of their scene."""
         places = zip(self._places.first_frames, self._places.scenes, strict=True)
         frames = (first + frame for first, scene in places for frame in scene.frame_cues.pictures.followed)
         return dict.fromkeys(frames).keys()

@@ -73,7 +73,7 @@ class Motions:
         inputs = {"proposals": objects.proposals(index), "linking": objects.linking()}
         if objects.source_of(index) == "tracks":
             return self._nodes.add("rigid_support", inputs, "tracks", section=index)
-        pairs = self._config.rigid_support.step, self._picture_gap(index)
+        pairs = self._config.rigid_support.step, self._rigid_gap(index)
         inputs |= {
             "dense_tracks": window.dense_tracks(index, *pairs),
             "rigidity": window.rigidity(index, *pairs),
@@ -82,8 +82,22 @@ class Motions:
         return self._nodes.add("rigid_support", inputs, "masks", **place, min_gain=objects.min_gain(index))
 
     def _gap(self, index: int) -> int:
-        """Return how many frames apart the tracks of a section are compared: farther where motion is slow."""
-        return self._config.fundamental.gap * self._picture_gap(index)
+        """Return how many frames apart the tracks of a section are compared: farther where motion is slow.
+
+        But not farther than its objects are known in the next section.
+        """
+        gap = self._config.fundamental.gap
+        return max(min(gap * self._picture_gap(index), self._config.sections.overlap), gap)
+
+    def _rigid_gap(self, index: int) -> int:
+        """Return how many times as far apart the frames are over which a section is compared with a rigid scene.
+
+        Half of its window has such pairs. Cameras by a network are those of the usual pairs.
+        """
+        first, last = self._objects.track_proposals.window(index)
+        if self._config.cameras.method != "tracks":
+            return 1
+        return max(min(self._picture_gap(index), (last - first) // (2 * max(self._config.rigidity.gaps))), 1)
 
     def _picture_gap(self, index: int) -> int:
         return self._cues.pictures.gap_of(self._sections[index])

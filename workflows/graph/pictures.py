@@ -20,6 +20,11 @@ class Pictures:
         Further frames that repeat the frame before them, although they were not decoded to the same.
     gaps : sequence of int, optional
         For each frame, how many pictures farther the one is that it is compared with; by default the next one.
+
+    Attributes
+    ----------
+    num_followed : int
+        Number of frames, from the first, that are compared with a picture after them.
     """
 
     def __init__(self, frames: Sequence[Ref], repetitions: Collection[int] = (), gaps: Sequence[int] = ()):
@@ -32,6 +37,14 @@ class Pictures:
         self._starts = list(range(len(frames))) if len(starts) == 1 else starts
         self._num_frames = len(frames)
         self._gaps = gaps
+        # Gaps may differ, but frames that lack a side are those at the ends: none between counts as having it.
+        frame_numbers = range(self._num_frames)
+        self._first_with_previous = 1 + max(
+            (frame for frame in frame_numbers if self._before(frame) is None), default=-1
+        )
+        self.num_followed = min(
+            (frame for frame in frame_numbers if self._after(frame) is None), default=self._num_frames
+        )
 
     def __len__(self) -> int:
         """Return the number of pictures."""
@@ -60,11 +73,17 @@ class Pictures:
 
     def previous(self, frame: int) -> int | None:
         """Return the nearest frame before one that shows the picture it is compared with; None if there is none."""
+        return self._before(frame) if frame >= self._first_with_previous else None
+
+    def _before(self, frame: int) -> int | None:
         picture = self.of(frame) - self.gap(frame)
         return self.frames(picture).stop - 1 if picture >= 0 else None
 
     def next(self, frame: int) -> int | None:
         """Return the nearest frame after one that shows the picture it is compared with; None if there is none."""
+        return self._after(frame) if frame < self.num_followed else None
+
+    def _after(self, frame: int) -> int | None:
         picture = self.of(frame) + self.gap(frame)
         return self._starts[picture] if picture < len(self) else None
 
@@ -77,11 +96,6 @@ class Pictures:
         return frame < self.frames(self.of(frame)).stop - 1
 
     @property
-    def num_followed(self) -> int:
-        """Number of frames, from the first, that are compared with a picture after them."""
-        return self._starts[max(len(self) - self.gap(self._num_frames - 1), 0)] if self._starts else 0
-
-    @property
     def followed(self) -> Sequence[int]:
         """Frames that are compared with a picture after them."""
         return range(self.num_followed)
@@ -92,7 +106,6 @@ class Pictures:
         Counted from `start`, frames up to 0 have no previous one, and frames from `num_frames` - 1 on no next one.
         Both depend on what is missing, not on the place of the frames in the video.
         """
-        first_with_previous = self._starts[self.gap(0)] if self.gap(0) < len(self) else self._num_frames
-        own_start = max(min(start - first_with_previous + 1, 1), start - stop + 1)
+        own_start = max(min(start - self._first_with_previous + 1, 1), start - stop + 1)
         num_seen = max(min(self.num_followed + 1, stop + 1) - start, 1)
         return {"start": own_start, "num_frames": own_start + num_seen}

@@ -18,7 +18,7 @@ _PICTURES_PER_GAP = 8
 class SlowMotionGaps:
     """Writer of the recipes of how far apart the pictures of pairs are, one for each stretch of a sequence.
 
-    Only saliency asks for them, and it needs flow between any two frames.
+    They are for saliency and for what judges its objects, and need flow between any two frames.
     """
 
     def __init__(self, leaves: SequenceLeaves, config: PipelineConfig):
@@ -29,7 +29,11 @@ class SlowMotionGaps:
         self._longest = min(self._params.max_gap, len(self._cues.pictures) // _PICTURES_PER_GAP)
         is_read = config.proposal_source in SALIENCY_SOURCES and config.flow.method not in GIVEN_SOURCES
         is_searched = is_read and self._longest > 1
-        self._stretches = cut_stretches(num_frames, self._params.stretch_length) if is_searched else ()
+        stretches = cut_stretches(num_frames, self._params.stretch_length) if is_searched else ()
+        # A video may end in a picture that stands for longer than a stretch.
+        followed = self._cues.pictures.num_followed
+        self._stretches = tuple(Stretch(start, min(stop, followed)) for start, stop in stretches if start < followed)
+        self._num_frames = num_frames
 
     @property
     def recipes(self) -> dict[str, Recipe]:
@@ -45,13 +49,14 @@ class SlowMotionGaps:
         if max(found, default=1) == 1:
             return ()
         stretches = zip(self._stretches, found, strict=True)
-        return tuple(gap for stretch, gap in stretches for _ in range(*stretch))
+        gaps = [gap for stretch, gap in stretches for _ in range(*stretch)]
+        # What follows shows the last picture.
+        return (*gaps, *gaps[-1:] * (self._num_frames - len(gaps)))
 
     def _search(self, stretch: Stretch) -> str:
         num_frames = stretch.stop - stretch.start
         wanted = round(self._params.num_pairs * num_frames / self._params.stretch_length)
         num_pairs = min(max(wanted, self._params.min_pairs), max(self._params.num_pairs, self._params.min_pairs))
-        last = min(stretch.stop, self._cues.pictures.num_followed) - 1
-        firsts = sorted(set(np.linspace(stretch.start, last, num_pairs).round().astype(int).tolist()))
+        firsts = sorted(set(np.linspace(stretch.start, stretch.stop - 1, num_pairs).round().astype(int).tolist()))
         flows = tuple(map(self._cues.flow_to_next, firsts))
         return self._nodes.add("slow_motion", {"flows": flows}, longest=self._longest)

@@ -34,9 +34,15 @@ def describe_clips(source: SequenceSource, config: PipelineConfig, params: "Clip
 
 
 def cue_config(config: PipelineConfig) -> PipelineConfig:
-    """Return a configuration whose cues are those of `config`, and that asks for no choice and no network beyond."""
+    """Return a configuration whose cues are those of `config`, and that asks for no choice and no network beyond.
+
+    Clips follow what moves from each picture to the next.
+    """
     network = config.motion_network.model_copy(update={"use": "never"})
-    return config.model_copy(update={"proposal_source": "saliency", "motion_network": network})
+    slow_motion = config.slow_motion.model_copy(update={"max_gap": 1})
+    return config.model_copy(
+        update={"proposal_source": "saliency", "motion_network": network, "slow_motion": slow_motion}
+    )
 
 
 def make_clips(

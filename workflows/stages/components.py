@@ -28,7 +28,7 @@ def _run(params, inputs, rng):
     labels = label_components(foreground, component_params)
     if labels.any():
         flows, residual_flows = (maps_of(inputs.all("saliency"), name) for name in ("flows", "residual_flows"))
-        labels = split_touching(labels, residual_flows, identity)
+        labels = split_touching(labels, residual_flows, identity, params.get("gap", 1))
         if "steps" in inputs:
             flows, residual_flows = (maps_of(inputs.all("steps"), name) for name in ("flows", "residual_flows"))
         images = reduced_images(inputs.all("frames"), labels.shape[1:])
@@ -40,9 +40,11 @@ def _run(params, inputs, rng):
     return Output({"labels": objects, "scores": components.scores})
 
 
-def _params(config: PipelineConfig, num_frames: int) -> dict:
+def _params(config: PipelineConfig, num_frames: int, gap: int) -> dict:
+    """Return the parameters of a section whose flow leads `gap` pictures farther."""
     return {
         "num_frames": num_frames,
+        **({} if gap == 1 else {"gap": gap}),
         "components": config.components.model_dump(mode="json"),
         "identity": config.identity.model_dump(mode="json", exclude={"return_gap"}),
     }
@@ -57,7 +59,7 @@ STAGE = Stage(
         "foreground": "probability to move, of every section with a frame of this one",
         "frames": "frames of the section, and those that it shares with the next",
         "saliency": "saliency of these frames",
-        "steps": "the same with the flow to the frames right beside them, where frames repeat",
+        "steps": "the same with the flow to the frames right beside them, where these are not the ones compared",
     },
     arrays={
         "labels": layout("uint16", "frame y x", "object of the section, 0 = background"),

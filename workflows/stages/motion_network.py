@@ -88,9 +88,9 @@ STAGE = Stage(
     inputs={
         "frame": "the frame",
         "saliency": "its flows and their residuals",
-        "previous": "nearest frame before that shows another picture",
+        "previous": "frame before, of the picture that it is compared with",
         "saliency_previous": "its flows",
-        "next": "nearest frame after that shows another picture",
+        "next": "frame after, of the picture that it is compared with",
         "saliency_next": "its flows",
         "network": "the network",
     },

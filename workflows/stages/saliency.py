@@ -50,7 +50,7 @@ def _run_steps(params, inputs, rng):
     # Layers of the background are between the frames that were compared.
     layers = zip(saliency.attributes["first_layers"], shares, strict=True)
     first_layers = [layer if share == 1 else None for layer, share in layers]
-    moved = {name: share_out(arrays[name], shares) for name in ("flows", "residual_flows")}
+    moved = {name: share_out(arrays[name], shares, params["given"]) for name in ("flows", "residual_flows")}
     return Output(arrays | moved, {"first_layers": first_layers})
 
 
@@ -58,12 +58,12 @@ def _params(config: PipelineConfig) -> dict:
     return config.saliency.model_dump(mode="json", exclude=SELECTION_PARAMS)
 
 
-def _steps_params(config: PipelineConfig, previous: float, next: float) -> dict:
+def _steps_params(config: PipelineConfig, previous: float, next: float, given: list[bool]) -> dict:
     """Return the share of the motion to the compared picture that lies between a frame and the ones right beside it.
 
-    0 if the frame beside it shows the same picture.
+    0 if the frame beside it shows the same picture. `given` tells on which sides there is a picture to compare it with.
     """
-    return {"previous": previous, "next": next}
+    return {"previous": previous, "next": next, "given": given}
 
 
 BACKGROUND_RESIDUAL = Task(
@@ -86,8 +86,8 @@ STAGE = Stage(
     arrays={
         "saliency": layout("float16", "y x", "0..1", step=1 / 1024),
         "strict_saliency": layout("float16", "y x", "0..1", step=1 / 1024),
-        "flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
-        "residual_flows": layout("float16", "direction y x uv", "px/frame of the working grid", step=1 / 128),
+        "flows": layout("float16", "direction y x uv", "px of the working grid", step=1 / 128),
+        "residual_flows": layout("float16", "direction y x uv", "px of the working grid", step=1 / 128),
     },
     tasks=(BACKGROUND_RESIDUAL, STEPS),
 )

@@ -78,6 +78,12 @@ def test_touching_objects_that_move_apart_are_two():
     assert share_of_best(scene.split(), scene.truth) > 0.9
 
 
+def test_motion_between_frames_several_apart_is_not_the_way_from_each_to_the_next():
+    scene = Scene().add(lambda t: (60 - 2.5 * t, 40), (30, 30)).add(lambda t: (88 + 2.5 * t, 40), (30, 30))
+    assert (split_touching(scene.labels, scene.velocities, PARAMS, gap=1) != scene.labels).any()
+    assert (split_touching(scene.labels, scene.velocities, PARAMS, gap=2) == scene.labels).all()
+
+
 def test_three_movers_in_one_component_are_three():
     scene = Scene(num_frames=12).add(lambda t: (50 - 3 * t, 40), (30, 30)).add(lambda t: (78 + 3 * t, 40), (30, 30))
     scene.add(lambda t: (64, 28 + 3 * t), (16, 16))
