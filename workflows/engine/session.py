@@ -136,6 +136,7 @@ class Session:
         self._first: set[str] = set()
         self._settled: dict[str, Recipe] = {}
         self._settled_hits: dict[str, None] = {}
+        self._settled_now: set[str] = set()
         self._weights = weights or open_weights(os.environ)
         self._weights_leaves: dict[str, WeightsLeaf] = {}
         self._batch = batch
@@ -233,6 +234,7 @@ class Session:
         # Only those of this computation, so that a wave's pins hold no earlier wave's.
         self._first.clear()
         self._settled.clear()
+        self._settled_now.clear()
         num_repairs = 0
         missed: set[str] = set()
         with self.log.watch(), restated or nullcontext():
@@ -244,7 +246,8 @@ class Session:
                     self._run(plan)
                     result = read()
                     # What was settled counts once, although the plan finds it in the store.
-                    hits = (*self._settled_hits, *(ref for ref in plan.reuse if ref not in self._settled))
+                    known = self._settled_now.union(self._settled_hits)
+                    hits = (*self._settled_hits, *(ref for ref in plan.reuse if ref not in known))
                     self.reused += Counter(split_ref(ref)[0] for ref in hits)
                     self.store.touch(plan.reuse)
                     if keeps:
@@ -294,6 +297,7 @@ class Session:
         self._run(plan)
         self._settled |= recipes
         self._settled_hits |= dict.fromkeys(plan.reuse)
+        self._settled_now.update(plan.compute)
         self._first.update(sinks)
         return list(map_reads(self.store, self.store.attributes, sinks))
 
