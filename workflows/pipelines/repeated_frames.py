@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from moseg.schemas.configs import PipelineConfig
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import Repetitions, SequenceLeaves
+from moseg.workflows.pipelines.settled import settle_attributes
 
 
 def settle_repetitions(
@@ -15,13 +16,7 @@ def settle_repetitions(
 ) -> list[SequenceLeaves]:
     """Return the leaves with the frames that repeat others, which are looked for where that is not known."""
     writers = repetition_writers(leaves, config)
-    sinks = [ref for writer in writers for ref in writer.refs()]
-    if not sinks:
-        return list(leaves)
-    recipes = {ref: recipe for writer in writers for ref, recipe in writer.recipes.items()}
-    held = {ref for each in leaves for ref in each.refs()}
-    settled = session.settle(recipes, sinks, held)
-    return with_repetitions(leaves, writers, dict(zip(sinks, settled, strict=True)))
+    return with_repetitions(leaves, writers, settle_attributes(session, leaves, writers))
 
 
 def repetition_writers(leaves: Sequence[SequenceLeaves], config: PipelineConfig) -> list[Repetitions]:

@@ -5,18 +5,13 @@ from collections.abc import Mapping, Sequence
 from moseg.schemas.configs import PipelineConfig
 from moseg.workflows.engine.session import Session
 from moseg.workflows.graph import SequenceLeaves, SlowMotionGaps
+from moseg.workflows.pipelines.settled import settle_attributes
 
 
 def settle_gaps(session: Session, leaves: Sequence[SequenceLeaves], config: PipelineConfig) -> list[SequenceLeaves]:
     """Return the leaves with the distances of pictures, which are chosen where that is not known."""
     writers = gap_writers(leaves, config)
-    sinks = [ref for writer in writers for ref in writer.refs()]
-    if not sinks:
-        return list(leaves)
-    recipes = {ref: recipe for writer in writers for ref, recipe in writer.recipes.items()}
-    held = {ref for each in leaves for ref in each.refs()}
-    settled = session.settle(recipes, sinks, held)
-    return with_gaps(leaves, writers, dict(zip(sinks, settled, strict=True)))
+    return with_gaps(leaves, writers, settle_attributes(session, leaves, writers))
 
 
 def gap_writers(leaves: Sequence[SequenceLeaves], config: PipelineConfig) -> list[SlowMotionGaps]:
