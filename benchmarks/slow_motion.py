@@ -21,7 +21,7 @@ from moseg.tasks.synthetic import SCENES, STILL_SCENES
 
 MOVERS = ("handheld-jitter", "occlusion", "slow-mover", "small-fast", "static-camera", "strong-parallax")
 FACTORS = (1, 4)
-"""How many times as many frames."""
+"""Numbers of frames, in multiples of the usual one."""
 MAX_GAPS = {"neighbours": 1, "chosen": SlowMotionParams().max_gap}
 """Largest distance of the pictures of a pair."""
 NOISE = 4.0

@@ -23,7 +23,7 @@ class SlowMotionParams(Frozen):
         description="motion beside that of the background, to which the distance brings that of most pairs, px",
     )
     share_of_pairs: Annotated[float, Unit.SHARE] = Field(
-        0.875, gt=0, le=1, description="share of the pairs that is to move no more than this"
+        0.875, gt=0, le=1, description="share of the pairs that move by `residual` at most, at the distance"
     )
     motion: Annotated[float, Unit.PIXELS] = Field(
         24.0, gt=0, description="motion that no pair exceeds at the distance, the camera's included, px"
@@ -32,7 +32,7 @@ class SlowMotionParams(Frozen):
         99.9, gt=50, le=100, description="percentile of the pixels' motion that is read"
     )
     num_pairs: Annotated[int, Unit.COUNT] = Field(8, ge=1, description="pairs of neighbouring frames read a stretch")
-    min_pairs: Annotated[int, Unit.COUNT] = Field(4, ge=1, description="the same of a short video")
+    min_pairs: Annotated[int, Unit.COUNT] = Field(4, ge=1, description="least number of these in a short video")
     stretch_length: Annotated[int, Unit.FRAMES] = Field(
         64, ge=32, description="frames with one distance; a rest shorter than half of it joins the one before"
     )

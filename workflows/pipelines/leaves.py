@@ -29,8 +29,7 @@ def ingest_sequences(
     """Return the leaves of every sequence: frames, cues that `config` takes as given, the annotation where asked.
 
     Each is one scene. Frames that repeat others and slow motion are found, and choices that `config` leaves open are
-    settled.
-    InputError is raised first where a package that it needs is missing.
+    settled. InputError is raised first where a package that it needs is missing.
     """
     leaves = settle_repetitions(session, _decode(session, sources, config, annotated), config)
     return list(settle_choices(session, settle_gaps(session, leaves, config), config))

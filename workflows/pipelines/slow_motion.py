@@ -1,4 +1,4 @@
-"""How far apart the pictures are between which motion is seen, settled before the rest of the graph is written."""
+"""Distances of the pictures between which motion is seen, settled before the rest of the graph is written."""
 
 from collections.abc import Mapping, Sequence
 
