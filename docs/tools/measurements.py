@@ -102,6 +102,7 @@ def _catalogue() -> list[Measurement]:
         "flow-residuals": "python benchmarks/flow_residuals.py",
         "given-cameras": "python benchmarks/given_cameras.py",
         "frame-rates": "python benchmarks/frame_rates.py",
+        "slow-motion": "python benchmarks/slow_motion.py --workers 2",
         **_of_setting("synthetic"),
         **_static("synthetic"),
         "synthetic-no-network": f"moseg eval {SYNTHETIC} --set motion_network.use=never",

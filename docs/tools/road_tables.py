@@ -1,4 +1,4 @@
-"""Tables of road scenes, and of sequences in which nothing moves."""
+"""Tables of road scenes, of sequences in which nothing moves, and of slow motion."""
 
 from measured_data import DATA
 from measurements import ROAD_SEEDS, SENSITIVITIES
@@ -157,6 +157,18 @@ def _frame_rates() -> Rows:
     return [("J of drives, by frames per second", *(name.removeprefix("drive-") for name in _DRIVES)), *rows]
 
 
+def _slow_motion() -> Rows:
+    places = [(kind, group) for group in ("movers", "still") for kind in ("neighbours", "chosen")]
+    texts = {"movers": "movers", "still": "nothing moves"}
+    kinds = {"neighbours": "neighbouring frames", "chosen": "frames *n* apart"}
+    head = ("times as many frames", *(f"J, {texts[group]}: {kinds[kind]}" for kind, group in places))
+    rows = (
+        (factor, *(f"{{slow-motion/{kind}/slower-{factor}/{group}/mean/J}}" for kind, group in places))
+        for factor in ("1", "4")
+    )
+    return [head, *rows]
+
+
 def _given_cameras() -> Rows:
     texts = {
         "tracks": "fitted to tracks; the ground in place of depth (default)",
@@ -187,5 +199,6 @@ TABLES = {
     "still": _still_sequences(),
     "drives": _drives(),
     "frame-rates": _frame_rates(),
+    "slow-motion": _slow_motion(),
     "road-outlines": _road_outlines(),
 }
