@@ -7,8 +7,10 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import RigidityParams
+from moseg.tasks.rigidity.camera_motions import PairTracks, fit_motions
 from moseg.tasks.rigidity.evidence import PairEvidence, pair_evidence
 from moseg.tasks.rigidity.focal_length import choose_focal
+from moseg.tasks.rigidity.given_camera import correct_camera
 from moseg.tasks.rigidity.given_focal import correct_focal
 
 TRACK_EVIDENCE = ("error", "median_error", "test", "strict_error", "strict_test")
@@ -92,23 +94,34 @@ def estimate_rigidity(
         focal = correct_focal(cameras.focal, cameras.poses, depth_of, points, visible, params)
     if focal is None:
         focal = choose_focal(points, visible, images[0].shape, params, step)
-    pairs, seen_in, evidence = [], [], []
-    for gap in params.gaps:
-        for start in range(0, len(images) - gap, step):
-            seen = np.flatnonzero(visible[:, start] & visible[:, start + gap])
-            points0, points1 = (points[seen, frame].astype(np.float64) for frame in (start, start + gap))
-            inverse_depth = None if depth_of is None else depth_of(start)
-            both = images[start], images[start + gap]
-            pose = None if cameras is None else cameras.poses[start, gap]
-            found = pair_evidence(both, points0, points1, focal, params, inverse_depth, pose)
+    pairs = [(start, gap) for gap in params.gaps for start in range(0, len(images) - gap, step)]
+    seen_in = [np.flatnonzero(visible[:, start] & visible[:, start + gap]) for start, gap in pairs]
+    tracks = [
+        PairTracks(start, *(points[seen, frame].astype(np.float64) for frame in (start, start + gap)))
+        for (start, gap), seen in zip(pairs, seen_in, strict=True)
+    ]
+    given = {}
+    if cameras is not None:
+        for index, pair in enumerate(pairs):
+            found = correct_camera(cameras.poses[pair], depth_of(pair[0]), *tracks[index][1:], focal, params)
             if found is not None:
-                pairs.append((start, gap))
-                seen_in.append(seen)
-                evidence.append(found)
-    arrays = np.full((len(TRACK_EVIDENCE), len(pairs), len(points)), np.nan, np.float16)
-    for index, (seen, found) in enumerate(zip(seen_in, evidence, strict=True)):
-        arrays[:, index, seen] = [getattr(found, name) for name in TRACK_EVIDENCE]
-    return Rigidity(np.array(pairs, np.int32).reshape(-1, 2), *arrays, focal, tuple(evidence))
+                given[index] = found
+    fitted = [index for index in range(len(pairs)) if index not in given]
+    motions = fit_motions([tracks[index] for index in fitted], focal, images[0].shape, params)
+    motion_of = {index: camera.motion for index, camera in given.items()} | dict(zip(fitted, motions, strict=True))
+    kept = [index for index in range(len(pairs)) if motion_of[index] is not None]
+    evidence = []
+    for index in kept:
+        start, gap = pairs[index]
+        both = images[start], images[start + gap]
+        inverse_depth = None if depth_of is None else depth_of(start)
+        length = given[index].length if index in given else None
+        evidence.append(pair_evidence(both, *tracks[index][1:], motion_of[index], params, inverse_depth, length))
+    arrays = np.full((len(TRACK_EVIDENCE), len(kept), len(points)), np.nan, np.float16)
+    for row, (index, found) in enumerate(zip(kept, evidence, strict=True)):
+        arrays[:, row, seen_in[index]] = [getattr(found, name) for name in TRACK_EVIDENCE]
+    kept_pairs = np.array([pairs[index] for index in kept], np.int32).reshape(-1, 2)
+    return Rigidity(kept_pairs, *arrays, focal, tuple(evidence))
 
 
 def _smooth_gray(frame: np.ndarray, sigma: float) -> np.ndarray:

@@ -7,14 +7,12 @@ import numpy as np
 from moseg.schemas.parameters import RigidityParams
 from moseg.tasks.geometry.camera_motion import CameraMotion
 from moseg.tasks.rigidity.deviation import deviation_from_depth, deviation_from_ground
-from moseg.tasks.rigidity.given_camera import correct_camera
 from moseg.tasks.rigidity.given_depth import bound_inverse_depth, scale_inverse_depth
 from moseg.tasks.rigidity.ground import Ground, fit_ground
 from moseg.tasks.rigidity.neighbours import find_similar
 from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import find_epipole, split_displacements
 from moseg.tasks.rigidity.patch_test import compare_patches
-from moseg.tasks.rigidity.relative_pose import fit_pose
 from moseg.tasks.roundness import roundness
 
 _STRAIGHT_SIDE = 15
@@ -52,11 +50,11 @@ def pair_evidence(
     images: tuple[np.ndarray, np.ndarray],
     points0: np.ndarray,
     points1: np.ndarray,
-    focal: float,
+    motion: CameraMotion,
     params: RigidityParams,
     inverse_depth: np.ndarray | None = None,
-    pose: np.ndarray | None = None,
-) -> PairEvidence | None:
+    length: float | None = None,
+) -> PairEvidence:
     """Measure the deviation of tracks from a rigid scene over one pair of frames.
 
     Parameters
@@ -65,31 +63,25 @@ def pair_evidence(
         Blurred grey frames.
     points0, points1 : float64 (N, 2)
         xy of the tracks in both frames, px.
-    focal : float
-        Focal length in longer sides of the frame.
+    motion : CameraMotion
     params : RigidityParams
     inverse_depth : float32 (y, x), optional
         Relative inverse depth of the first frame, up to scale and shift; takes the place of the ground if it explains
         the parallax.
-    pose : float64 (3, 4), optional
-        Given motion of the camera, in the unit of the depth; takes the place of a fit to tracks if it explains them.
+    length : float, optional
+        How far the camera travels, in the unit of the depth, if that is known.
 
     Returns
     -------
-    PairEvidence or None
-        None if no motion of the camera explains the tracks.
+    PairEvidence
     """
     shape = images[0].shape
-    given = None if pose is None else correct_camera(pose, inverse_depth, points0, points1, focal, params)
-    motion = fit_pose(points0, points1, focal, shape, params) if given is None else given.motion
-    if motion is None:
-        return None
     parallax = split_displacements(points0, points1, motion, shape)
     noise = displacement_noise(points0, points1, params.noise, params.noise_share)
     ground = fit_ground(points0, parallax, find_epipole(motion, shape), shape, params)
     bounds = None
-    if given is not None:
-        bounds = scale_inverse_depth(inverse_depth, given.length, points0, parallax, noise, params)
+    if length is not None:
+        bounds = scale_inverse_depth(inverse_depth, length, points0, parallax, noise, params)
     if bounds is None and inverse_depth is not None:
         bounds = bound_inverse_depth(inverse_depth, points0, parallax, noise, params)
     if bounds is None:

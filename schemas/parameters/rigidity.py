@@ -27,6 +27,12 @@ class RigidityParams(Frozen):
     pose_threshold: Annotated[float, Unit.PIXELS] = Field(
         1.0, gt=0, description="epipolar error of an inlier of the camera's motion, px"
     )
+    pose_reach: Annotated[int, Unit.FRAMES] = Field(
+        4,
+        ge=0,
+        description="frames between the starts of pairs whose directions of travel are tried for each other, if they"
+        " differ",
+    )
     pose_iterations: Annotated[int, Unit.COUNT] = Field(
         500, ge=2, description="hypotheses drawn at most; at least half as many"
     )

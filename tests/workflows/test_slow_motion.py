@@ -122,12 +122,15 @@ def test_a_rigid_scene_is_asked_over_pairs_as_far_apart():
     def gaps(pictures_apart):
         one_section = {"length": NUM_FRAMES, "overlap": 3}
         graph = _graph(pictures_apart, rigid_support={"use": "always"}, sections=one_section)
-        (params,) = {str((recipe.params["gaps"], recipe.params["focal_gap"])) for recipe in _written(graph, "rigidity")}
+        names = ("gaps", "focal_gap", "pose_reach")
+        (params,) = {str([recipe.params[name] for name in names]) for recipe in _written(graph, "rigidity")}
         return params
 
     default = PipelineConfig().rigidity
-    assert gaps((2,) * NUM_FRAMES) == str(([2 * gap for gap in default.gaps], 2 * default.focal_gap))
-    assert gaps(()) == str((list(default.gaps), default.focal_gap))
+    assert gaps((2,) * NUM_FRAMES) == str(
+        [[2 * gap for gap in default.gaps], 2 * default.focal_gap, 2 * default.pose_reach]
+    )
+    assert gaps(()) == str([list(default.gaps), default.focal_gap, default.pose_reach])
     # Half of the window's frames begin a pair.
     assert gaps((8,) * NUM_FRAMES) == gaps((NUM_FRAMES // 8,) * NUM_FRAMES)
 

@@ -93,10 +93,11 @@ def _params(config: PipelineConfig, step: int = 1, gap: int = 1, bars: BlackBars
     params = config.rigidity.model_dump(mode="json", exclude=unread) | bars_params(bars)
     params["gaps"] = [gap * frames for frames in params["gaps"]]
     params["focal_gap"] *= gap
+    params["pose_reach"] *= gap
     return params if step == 1 else {**params, "step": step}
 
 
-EPIPOLAR = Task("rigidity", "epipolar", version=8, run=_run, params=_params)
+EPIPOLAR = Task("rigidity", "epipolar", version=9, run=_run, params=_params)
 
 STAGE = Stage(
     name="rigidity",
