@@ -57,10 +57,22 @@ def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParam
     -------
     Components
     """
+    scores, is_clear = _score(foreground, labels, int(labels.max(initial=0)), params)
+    return _numbered(labels, scores, _best(scores, is_clear, params))
+
+
+def number_by_score(foreground: np.ndarray, labels: np.ndarray, params: ComponentParams) -> Components:
+    """Return all objects, those of the highest scores if they are too many; the arguments are those of `keep_best`."""
     count = int(labels.max(initial=0))
-    scores, is_clear = _score(foreground, labels, count, params)
-    kept = _best(scores, is_clear, params)
-    relabel = np.zeros(count + 1, np.uint16)
+    scores, _ = _score(foreground, labels, count, params)
+    present = np.bincount(labels.ravel(), minlength=count + 1)[1:] > 0
+    order = np.argsort(-scores, kind="stable")
+    return _numbered(labels, scores, order[present[order]][: params.max_objects])
+
+
+def _numbered(labels: np.ndarray, scores: np.ndarray, kept: np.ndarray) -> Components:
+    """Return the components of indices `kept`, from 0, numbered in this order."""
+    relabel = np.zeros(len(scores) + 1, np.uint16)
     relabel[kept + 1] = np.arange(1, len(kept) + 1)
     return Components(np.stack([relabel[frame] for frame in labels]), scores[kept])
 

@@ -66,6 +66,16 @@ class IdentityParams(Frozen):
         4, ge=1, description="maximal number of objects of a split component"
     )
 
+    part_distance: Annotated[float, Unit.RATIO] = Field(
+        1.0,
+        gt=0,
+        description="distance of two pieces of an object from which on they are far from each other, in square roots of"
+        " the larger area",
+    )
+    part_frames: Annotated[int, Unit.FRAMES] = Field(
+        8, ge=1, description="frames on end for which pieces are far from each other that are different objects"
+    )
+
     rejoin_gap: Annotated[int, Unit.FRAMES] = Field(
         10, ge=0, description="maximal number of frames of an occlusion, or of visibility on both sides of the occluder"
     )

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "b30de319d97a941f",
-    "oc-depth": "d99e89ecd0996f16",
-    "oc": "825b2b59ca23b314",
-    "trajs": "7cce24d299a69748",
-    "base": "345453ac5990d883",
+    "fused": "72f194e28c0d2c51",
+    "oc-depth": "285e736206385c9d",
+    "oc": "c5e5f649d1da3afc",
+    "trajs": "32894f722ea5a05f",
+    "base": "99c5fbb3c18032b8",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "32212cd17b9f8368",
+    "tracks": "80b31783519ee7d9",
 }
 
 

@@ -20,20 +20,31 @@ def join_rows(sections, name: str, num_rows: int) -> np.ndarray:
 
 
 def _run(params, inputs, rng):
-    from moseg.tasks.proposals import fill_holes, keep_best, label_components, rejoin_components, split_touching
+    from moseg.tasks.proposals import (
+        fill_holes,
+        keep_best,
+        label_components,
+        number_by_score,
+        part_distant,
+        rejoin_components,
+        split_touching,
+    )
 
     identity = IdentityParams.of_recipe(params["identity"])
     foreground = join_rows(inputs.all("foreground"), "foreground", params["num_frames"])
     component_params = ComponentParams.of_recipe(params["components"])
-    labels = label_components(foreground, component_params)
+    labels, gap = label_components(foreground, component_params), params.get("gap", 1)
     if labels.any():
         flows, residual_flows = (maps_of(inputs.all("saliency"), name) for name in ("flows", "residual_flows"))
-        labels = split_touching(labels, residual_flows, identity, params.get("gap", 1))
+        labels = split_touching(labels, residual_flows, identity, gap)
         if "steps" in inputs:
             flows, residual_flows = (maps_of(inputs.all("steps"), name) for name in ("flows", "residual_flows"))
         images = reduced_images(inputs.all("frames"), labels.shape[1:])
         labels = rejoin_components(labels, images, flows, residual_flows, identity)
     components = keep_best(foreground, labels, component_params)
+    if components.labels.any():
+        parted = part_distant(components.labels, flows, identity, gap)
+        components = number_by_score(foreground, parted, component_params)
     objects = components.labels
     if objects.any():
         objects = fill_holes(objects, foreground, images, flows, residual_flows, component_params)
@@ -50,7 +61,7 @@ def _params(config: PipelineConfig, num_frames: int, gap: int) -> dict:
     }
 
 
-SPACE_TIME = Task("components", "space-time", version=3, run=_run, params=_params)
+SPACE_TIME = Task("components", "space-time", version=4, run=_run, params=_params)
 
 STAGE = Stage(
     name="components",
