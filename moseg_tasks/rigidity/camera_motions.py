@@ -1,6 +1,7 @@
 """Motions of the camera in frame pairs, each also sought from those of pairs near in time."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,8 @@ from moseg.tasks.rigidity.relative_pose import fit_pose, one_per_cell
 
 _ALIKE = np.cos(np.radians(2))
 """Cosine of the angle between directions of travel from which the same motion is found."""
+_MAX_DIRECTIONS = 4
+"""Directions that are tried for a pair at most: of a camera at rest, each pair shows another."""
 _LOSS = 0.25
 """Epipolar error from which a track counts ever less in a refinement, in errors of an inlier."""
 
@@ -34,16 +37,21 @@ class PairTracks(NamedTuple):
 
 
 def fit_motions(
-    pairs: Sequence[PairTracks], focal: float, shape: tuple[int, int], params: RigidityParams
+    pairs: Sequence[PairTracks],
+    focal: float,
+    shape: tuple[int, int],
+    params: RigidityParams,
+    step: int = 1,
+    known: Mapping[int, CameraMotion] = MappingProxyType({}),
 ) -> list[CameraMotion | None]:
     """Fit the camera's motion in each of several frame pairs of a window.
 
     Where most of the scene is far and a vehicle is near, random samples may find a motion that explains the vehicle and
     not the near ground; it seldom happens in two pairs alike. Therefore the motion of a pair (`fit_pose`) competes with
     those that are refined from it in the directions in which the camera travels in pairs that start up to
-    `params.pose_reach` frames away. That with the least cost is taken, the mean over one track per cell of the squared
-    distance from the epipolar line, in squares of its noise and at most 1, which is also the cost of a track behind
-    infinity.
+    `params.pose_reach` frames away, or next to it: in up to four that differ, in which it does most often. That with
+    the least cost is taken, the mean over one track per cell of the squared distance from the epipolar line, in squares
+    of its noise and at most 1, which is also the cost of a track behind infinity.
 
     Parameters
     ----------
@@ -52,32 +60,46 @@ def fit_motions(
         Focal length in longer sides of the frame.
     shape : (height, width)
     params : RigidityParams
+        With a `pose_reach` of 0, each pair has its own motion.
+    step : int, optional
+        Frames between the first frames of pairs.
+    known : mapping of int to CameraMotion, optional
+        Motions that are not fitted, by the index of their pair.
 
     Returns
     -------
     list of CameraMotion or None
         None where a pair has too few tracks or inliers (`fit_pose`).
     """
-    fitted = [fit_pose(pair.points0, pair.points1, focal, shape, params) for pair in pairs]
-    starts = np.array([pair.start for pair in pairs])
+    fitted = [
+        known[index] if index in known else fit_pose(pair.points0, pair.points1, focal, shape, params)
+        for index, pair in enumerate(pairs)
+    ]
+    if params.pose_reach == 0:
+        return fitted
+    starts, reach = np.array([pair.start for pair in pairs]), max(params.pose_reach, step)
     motions = []
-    for pair, own in zip(pairs, fitted, strict=True):
-        if own is None:
-            motions.append(None)
-            continue
-        near = np.flatnonzero(np.abs(starts - pair.start) <= params.pose_reach)
-        others = (fitted[index] for index in near if fitted[index] is not None)
-        motions.append(_best_motion(pair, own, _other_directions(own, others), shape, params))
+    for index, (pair, own) in enumerate(zip(pairs, fitted, strict=True)):
+        if own is not None and index not in known:
+            near = np.flatnonzero(np.abs(starts - pair.start) <= reach)
+            others = [fitted[other].translation for other in near if fitted[other] is not None]
+            own = _best_motion(pair, own, _main_directions(own.translation, others), shape, params)
+        motions.append(own)
     return motions
 
 
-def _other_directions(own: CameraMotion, others: Iterable[CameraMotion]) -> list[np.ndarray]:
-    """Return the directions in which others travel, float64 (3,), without those that are like one before."""
-    different = [own.translation]
-    for motion in others:
-        if np.max(different @ motion.translation) < _ALIKE:
-            different.append(motion.translation)
-    return different[1:]
+def _main_directions(own: np.ndarray, others: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return the directions (3,) that most others are like, the first of those that are alike, without the own one."""
+    different, support = [own], [0]
+    for direction in others:
+        likeness = different @ direction
+        if likeness.max() >= _ALIKE:
+            support[likeness.argmax()] += 1
+        else:
+            different.append(direction)
+            support.append(1)
+    order = np.argsort(-np.array(support[1:]), kind="stable")[:_MAX_DIRECTIONS]
+    return [different[index + 1] for index in order]
 
 
 def _best_motion(

@@ -100,28 +100,30 @@ def estimate_rigidity(
         PairTracks(start, *(points[seen, frame].astype(np.float64) for frame in (start, start + gap)))
         for (start, gap), seen in zip(pairs, seen_in, strict=True)
     ]
+    # Depth is read from the first frame to the last.
+    in_order = sorted(range(len(pairs)), key=pairs.__getitem__)
     given = {}
-    if cameras is not None:
-        for index, pair in enumerate(pairs):
-            found = correct_camera(cameras.poses[pair], depth_of(pair[0]), *tracks[index][1:], focal, params)
-            if found is not None:
-                given[index] = found
-    fitted = [index for index in range(len(pairs)) if index not in given]
-    motions = fit_motions([tracks[index] for index in fitted], focal, images[0].shape, params)
-    motion_of = {index: camera.motion for index, camera in given.items()} | dict(zip(fitted, motions, strict=True))
-    kept = [index for index in range(len(pairs)) if motion_of[index] is not None]
-    evidence = []
-    for index in kept:
-        start, gap = pairs[index]
-        both = images[start], images[start + gap]
-        inverse_depth = None if depth_of is None else depth_of(start)
-        length = given[index].length if index in given else None
-        evidence.append(pair_evidence(both, *tracks[index][1:], motion_of[index], params, inverse_depth, length))
+    for index in in_order if cameras is not None else ():
+        pose, depth = cameras.poses[pairs[index]], depth_of(pairs[index][0])
+        found = correct_camera(pose, depth, *tracks[index][1:], focal, params)
+        if found is not None:
+            given[index] = found
+    known = {index: camera.motion for index, camera in given.items()}
+    motions = fit_motions(tracks, focal, images[0].shape, params, step, known)
+    evidence = {}
+    for index in in_order:
+        if motions[index] is not None:
+            start, gap = pairs[index]
+            both = images[start], images[start + gap]
+            inverse_depth = None if depth_of is None else depth_of(start)
+            length = given[index].length if index in given else None
+            evidence[index] = pair_evidence(both, *tracks[index][1:], motions[index], params, inverse_depth, length)
+    kept = sorted(evidence)
     arrays = np.full((len(TRACK_EVIDENCE), len(kept), len(points)), np.nan, np.float16)
-    for row, (index, found) in enumerate(zip(kept, evidence, strict=True)):
-        arrays[:, row, seen_in[index]] = [getattr(found, name) for name in TRACK_EVIDENCE]
+    for row, index in enumerate(kept):
+        arrays[:, row, seen_in[index]] = [getattr(evidence[index], name) for name in TRACK_EVIDENCE]
     kept_pairs = np.array([pairs[index] for index in kept], np.int32).reshape(-1, 2)
-    return Rigidity(kept_pairs, *arrays, focal, tuple(evidence))
+    return Rigidity(kept_pairs, *arrays, focal, tuple(evidence[index] for index in kept))
 
 
 def _smooth_gray(frame: np.ndarray, sigma: float) -> np.ndarray:

@@ -31,7 +31,7 @@ class RigidityParams(Frozen):
         4,
         ge=0,
         description="frames between the starts of pairs whose directions of travel are tried for each other, if they"
-        " differ",
+        " differ; 0: none are",
     )
     pose_iterations: Annotated[int, Unit.COUNT] = Field(
         500, ge=2, description="hypotheses drawn at most; at least half as many"

@@ -60,6 +60,46 @@ def test_only_pairs_within_reach_are_asked(see, street, misled, reach):
     assert (_angle(motions[1], AHEAD) < 0.5) == (reach >= 3)
 
 
+def test_with_a_reach_of_none_each_pair_has_its_own_motion(see, street, misled):
+    misled(1)
+    pairs = _pairs(see, street, starts=(0, 0, 0))
+    motions = fit_motions(pairs, FOCAL, SHAPE, PARAMS.model_copy(update={"pose_reach": 0}))
+    assert _angle(motions[1], ACROSS) < 0.5
+
+
+def test_pairs_farther_apart_than_the_reach_ask_the_next_ones(see, street, misled):
+    misled(1)
+    motions = fit_motions(_pairs(see, street, starts=(0, 8, 16)), FOCAL, SHAPE, PARAMS, step=8)
+    assert _angle(motions[1], AHEAD) < 0.5
+
+
+def test_known_motions_stay_and_are_asked(see, street, misled):
+    pairs = _pairs(see, street)
+    (known, *_) = fit_motions(pairs, FOCAL, SHAPE, PARAMS)
+    misled(0)
+    wrong = known._replace(translation=ACROSS)
+    motions = fit_motions(pairs, FOCAL, SHAPE, PARAMS, known={0: known, 2: wrong})
+    assert motions[0] is known
+    assert motions[2] is wrong
+    assert _angle(motions[1], AHEAD) < 0.5
+
+
+def test_few_directions_are_tried_of_a_camera_at_rest(see, street, monkeypatch):
+    rng, tried = np.random.default_rng(0), []
+    pairs = [pair._replace(points1=pair.points0) for pair in _pairs(see, street, starts=range(9))]
+    still = CameraMotion(np.eye(3), AHEAD, FOCAL * SHAPE[1])
+
+    def random_direction(*_):
+        direction = rng.normal(size=3)
+        return still._replace(translation=direction / np.linalg.norm(direction))
+
+    refine = camera_motions.refine_camera_motion
+    monkeypatch.setattr(camera_motions, "fit_pose", random_direction)
+    monkeypatch.setattr(camera_motions, "refine_camera_motion", lambda *a, **k: tried.append(a) or refine(*a, **k))
+    assert len(fit_motions(pairs, FOCAL, SHAPE, PARAMS)) == 9
+    assert len(tried) == 4 * len(pairs)
+
+
 def test_a_camera_that_changes_its_direction_does(see, street):
     ahead, across = _pairs(see, street), _pairs(see, street, advance=ACROSS, yaw=0.0)
     motions = fit_motions([ahead[0], across[1], ahead[2]], FOCAL, SHAPE, PARAMS)
