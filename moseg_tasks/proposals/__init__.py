@@ -1,7 +1,7 @@
 """Object proposals without learned weights, and their identities across sections."""
 
 from moseg.tasks.proposals.boxes import object_boxes
-from moseg.tasks.proposals.components import Components, keep_best, label_components, number_by_score
+from moseg.tasks.proposals.components import Components, keep_best, keep_parts, label_components
 from moseg.tasks.proposals.holes import fill_holes
 from moseg.tasks.proposals.linking import count_overlaps, link_sections
 from moseg.tasks.proposals.parting import part_distant
@@ -14,9 +14,9 @@ __all__ = [
     "count_overlaps",
     "fill_holes",
     "keep_best",
+    "keep_parts",
     "label_components",
     "link_sections",
-    "number_by_score",
     "object_boxes",
     "part_distant",
     "refine_outlines",

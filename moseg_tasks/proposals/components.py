@@ -61,13 +61,40 @@ def keep_best(foreground: np.ndarray, labels: np.ndarray, params: ComponentParam
     return _numbered(labels, scores, _best(scores, is_clear, params))
 
 
-def number_by_score(foreground: np.ndarray, labels: np.ndarray, params: ComponentParams) -> Components:
-    """Return all objects, those of the highest scores if they are too many; the arguments are those of `keep_best`."""
-    count = int(labels.max(initial=0))
-    scores, _ = _score(foreground, labels, count, params)
-    present = np.bincount(labels.ravel(), minlength=count + 1)[1:] > 0
+def keep_parts(foreground: np.ndarray, kept: Components, part: np.ndarray, params: ComponentParams) -> Components:
+    """Return the objects and those of their parts that would be kept if they were alone.
+
+    Parameters
+    ----------
+    foreground : float16 or float32 (T, h, w)
+        Probability to move, 0..1.
+    kept : Components
+        As `keep_best` returns them.
+    part : integer (T, h, w)
+        Part of each pixel that may be an object of its own, over all objects, 0 = none. The other parts, and those
+        beyond `params.max_objects`, stay in their object.
+    params : ComponentParams
+
+    Returns
+    -------
+    Components
+    """
+    count = len(kept.scores)
+    present = np.unique(part[(kept.labels > 0) & (part > 0)])
+    if len(present) == 0:
+        return kept
+    number = np.zeros(int(part.max()) + 1, np.int64)
+    number[present] = count + 1 + np.arange(len(present))
+    parted = np.where((kept.labels > 0) & (part > 0), number[part], kept.labels)
+    scores, is_clear = _score(foreground, parted, count + len(present), params)
+    good = _best(scores, is_clear, params)
+    good = good[good >= count][: max(params.max_objects - count, 0)]
+    is_object = np.zeros(len(scores) + 1, bool)
+    is_object[good + 1] = True
+    labels = np.where(is_object[parted], parted, kept.labels)
+    scores, _ = _score(foreground, labels, len(scores), params)
     order = np.argsort(-scores, kind="stable")
-    return _numbered(labels, scores, order[present[order]][: params.max_objects])
+    return _numbered(labels, scores, order[np.isin(order + 1, labels)])
 
 
 def _numbered(labels: np.ndarray, scores: np.ndarray, kept: np.ndarray) -> Components:

@@ -23,8 +23,8 @@ def _run(params, inputs, rng):
     from moseg.tasks.proposals import (
         fill_holes,
         keep_best,
+        keep_parts,
         label_components,
-        number_by_score,
         part_distant,
         rejoin_components,
         split_touching,
@@ -39,12 +39,13 @@ def _run(params, inputs, rng):
         labels = split_touching(labels, residual_flows, identity, gap)
         if "steps" in inputs:
             flows, residual_flows = (maps_of(inputs.all("steps"), name) for name in ("flows", "residual_flows"))
+        parted = part_distant(labels, flows, identity, gap)
+        part = np.where(parted > labels.max(), parted, 0)
         images = reduced_images(inputs.all("frames"), labels.shape[1:])
         labels = rejoin_components(labels, images, flows, residual_flows, identity)
     components = keep_best(foreground, labels, component_params)
     if components.labels.any():
-        parted = part_distant(components.labels, flows, identity, gap)
-        components = number_by_score(foreground, parted, component_params)
+        components = keep_parts(foreground, components, part, component_params)
     objects = components.labels
     if objects.any():
         objects = fill_holes(objects, foreground, images, flows, residual_flows, component_params)

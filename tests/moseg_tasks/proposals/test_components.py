@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from moseg.schemas.parameters import ComponentParams
-from moseg.tasks.proposals import Components, keep_best, label_components, object_boxes
+from moseg.tasks.proposals import Components, keep_best, keep_parts, label_components, object_boxes
 
 PARAMS = ComponentParams()
 FRAMES, HEIGHT, WIDTH = 6, 40, 60
@@ -172,3 +172,46 @@ def test_a_small_sure_object_is_kept_beside_a_large_one_and_a_brief_or_unsure_on
 
     assert beside(0.9, 16) == beside(0.9, 12) == 2
     assert beside(0.9, 5) == beside(0.6, 16) == 1
+
+
+def _with_part(probability=0.9, columns=slice(30, 40), **params):
+    """An object with a piece that may be one of its own: the foreground, what was kept, and what is with the part."""
+    foreground, part = empty(0.0), np.zeros((FRAMES, HEIGHT, WIDTH), int)
+    foreground[:, 10:20, 5:20] = 0.9
+    foreground[:, 10:20, columns] = probability
+    part[:, 10:20, columns] = 7
+    kept = Components((foreground > 0.5).astype(np.uint16), np.array([1.0]))
+    return foreground, kept, keep_parts(foreground, kept, part, ComponentParams(**params))
+
+
+def test_a_part_that_would_be_kept_alone_is_an_object():
+    _, kept, parted = _with_part()
+    assert parted.labels.dtype == np.uint16
+    assert parted.scores[0] > parted.scores[1] > 0
+    np.testing.assert_array_equal(parted.labels > 0, kept.labels > 0)
+    np.testing.assert_array_equal(np.unique(parted.labels[:, 10:20, 30:40]), [2])
+    np.testing.assert_array_equal(np.unique(parted.labels[:, 10:20, 5:20]), [1])
+
+
+def test_the_better_part_is_the_first_object():
+    parted = _with_part(columns=slice(30, 55))[2]
+    np.testing.assert_array_equal(np.unique(parted.labels[:, 10:20, 30:55]), [1])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"probability": 0.6, "columns": slice(30, 31)},
+        {"columns": slice(WIDTH - 1, WIDTH)},
+        {"max_objects": 1},
+    ],
+)
+def test_other_parts_stay_in_their_object(changes):
+    _, kept, parted = _with_part(**changes)
+    np.testing.assert_array_equal(parted.labels, kept.labels)
+    assert len(parted.scores) == 1
+
+
+def test_parts_of_what_was_not_kept_are_none():
+    foreground, kept = empty(), Components(np.zeros((FRAMES, HEIGHT, WIDTH), np.uint16), np.zeros(0))
+    assert keep_parts(foreground, kept, np.ones(kept.labels.shape, int), PARAMS) is kept

@@ -53,7 +53,7 @@ def test_objects_that_part_are_parted_where_they_touch_too():
     labels = parts_of(truth, flows)
     assert_same_objects(labels, truth)
     assert set(np.unique(labels)) == {0, LABEL, LABEL + 1}
-    assert labels.dtype == np.uint16
+    assert labels.dtype == np.int32
 
 
 def test_objects_that_meet_are_parted_as_well():
@@ -66,6 +66,21 @@ def test_each_of_several_objects_has_a_label():
     assert_same_objects(parts_of(*scene), scene[0])
     assert num_parts(*scene, split_parts=2) == 2
     assert num_parts(*scene, split_parts=1) == 1
+
+
+def test_objects_that_part_later_are_parted_too():
+    scene = boxes(lambda t: 10, lambda t: 60, lambda t: 60 + SIZE + 4 * max(t - 20, 0), num_frames=40)
+    scene[0][15:][scene[0][15:] == 1] = 0
+    assert_same_objects(parts_of(*scene), scene[0])
+
+
+def test_what_appears_elsewhere_for_a_moment_belongs_to_the_largest_object():
+    truth, flows = boxes(lambda t: 10, lambda t: 100)
+    truth[:, 20:30, 10:30] = 1
+    # The first two are in the frame of most pieces, from which the others are carried.
+    truth[5, 5:15, 50:60] = truth[5, 65:75, 50:60] = 1
+    truth[10:13, 30:50, 150:170] = 1
+    assert_same_objects(parts_of(truth, flows), truth)
 
 
 def test_fast_objects_are_parted_along_the_flow():
@@ -93,6 +108,12 @@ def test_pieces_are_apart_for_some_frames_on_end(num_frames, gap):
     assert num_parts(*scene, gap=gap) == (2 if num_frames >= gap * PARAMS.part_frames else 1)
 
 
+def test_what_is_seen_shortly_is_not_parted():
+    truth, flows = boxes(lambda t: 10, lambda t: 90)
+    truth[4:] = 0
+    assert num_parts(truth, flows) == 1
+
+
 def test_all_frames_of_a_short_section_suffice():
     scene = boxes(lambda t: 10, lambda t: 90, num_frames=3)
     assert num_parts(*scene) == 2
@@ -105,6 +126,34 @@ def test_specks_are_no_objects_of_their_own():
     truth, flows = parting()
     truth[:, 5:7, 10:12] = 1
     assert num_parts(truth, flows) == 2
+
+
+def test_specks_here_and_there_are_no_object():
+    truth, flows = boxes(lambda t: 10)
+    for t in range(NUM_FRAMES):
+        left = 60 + 37 * t % 120
+        truth[t, 5:9, left : left + 10] = 1
+    assert num_parts(truth, flows) == 1
+
+
+def test_a_small_object_that_touches_a_large_one_and_leaves_is_one():
+    truth, flows = boxes(lambda t: min(10 + 4 * t, 90) if t < 25 else 90 - 4 * (t - 25), num_frames=46)
+    large = truth[:, 5:75, 110:180]
+    large[:] = 2
+    assert (truth == 1).sum() < 0.1 * (truth == 2).sum()
+    assert_same_objects(parts_of(truth, flows, part_distance=0.5), truth)
+
+
+def test_objects_that_are_hidden_for_a_while_are_the_same_afterwards():
+    truth, flows = boxes(lambda t: 10 + 2 * t, lambda t: 60 + 2 * t, num_frames=40)
+    truth[14:22] = 0
+    assert_same_objects(parts_of(truth, flows), truth)
+
+
+def test_the_largest_label_may_be_that_of_the_dtype():
+    truth, flows = parting()
+    labels = (truth > 0).astype(np.uint16) * 65535
+    assert set(np.unique(part_distant(labels, flows, PARAMS))) == {0, 65535, 65536}
 
 
 def test_other_components_stay_as_they_are():
