@@ -166,8 +166,10 @@ def test_points_of_objects_vote_for_masks(squares, tmp_path, monkeypatch):
 
     def follow_objects(read_frame, points, visible, objects, params):
         assert read_frame(visible.shape[1] - 1).dtype == np.uint8
-        followed = np.full((1, visible.shape[1], 2), place, np.float32)
-        return ObjectPoints(followed, np.ones(followed.shape[:2], bool), objects.max(initial=0, keepdims=True))
+        beside = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3)), axis=-1).reshape(-1, 1, 2)
+        followed = np.repeat(place + beside, visible.shape[1], axis=1).astype(np.float32)
+        numbers = np.full(len(followed), objects.max(initial=0), objects.dtype)
+        return ObjectPoints(followed, np.ones(followed.shape[:2], bool), numbers)
 
     monkeypatch.setattr("moseg.tasks.object_points.follow_objects", follow_objects)
     arguments = ("eval", "--dataset", "folder", "--root", str(squares), "--quiet", "--section-length", "4")
