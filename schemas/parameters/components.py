@@ -45,8 +45,18 @@ class ComponentParams(Frozen):
         description="mean probability to move from which a hole of plain colour belongs to the object around it; 1 "
         "fills none",
     )
+    hole_even_share: Annotated[float, Unit.SHARE] = Field(
+        0.25, ge=0, le=1, description="share of this probability that suffices where the hole's colour is even"
+    )
     hole_error: Annotated[float, Unit.GREY_LEVELS] = Field(
         10.0,
         ge=0,
         description="colour error that the background's motion leaves in a hole of plain colour, at most, grey levels",
+    )
+    hole_border: Annotated[float, Unit.SHARE] = Field(
+        0.3,
+        ge=0,
+        le=1,
+        description="share of a hole's outline that may lie on one side of the frame; 0 takes holes that the object "
+        "surrounds",
     )

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "72f194e28c0d2c51",
-    "oc-depth": "285e736206385c9d",
-    "oc": "c5e5f649d1da3afc",
-    "trajs": "32894f722ea5a05f",
-    "base": "99c5fbb3c18032b8",
+    "fused": "be8cb621475a5a37",
+    "oc-depth": "85483c3125123210",
+    "oc": "84bfbffaf466539e",
+    "trajs": "7638c8e9fd9fe1f9",
+    "base": "f6cc0a3ff9ac402c",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "80b31783519ee7d9",
+    "tracks": "e5a96fbbbaeaf914",
 }
 
 

@@ -67,19 +67,58 @@ def test_a_plain_hole_belongs_to_the_object_around_it(scene):
     assert all(np.array_equal(before[name], each) for name, each in scene.items())
 
 
-@pytest.mark.parametrize(("probability", "is_filled"), [(0.2, False), (0.24, False), (0.26, True), (0.45, True)])
+@pytest.mark.parametrize(("probability", "is_filled"), [(0.05, False), (0.06, False), (0.065, True), (0.45, True)])
 def test_a_hole_of_low_probability_shows_the_background(scene, probability, is_filled):
+    """The colour of this hole is even, so that a quarter of 0.25 suffices."""
     for t in range(FRAMES):
         scene["foreground"][(t, *_at(HOLE, t))] = probability
     assert _filled_frames(scene) == [is_filled] * FRAMES
+
+
+@pytest.mark.parametrize("grey_levels", [2, 8])
+def test_the_plainer_a_hole_the_lower_a_probability_suffices(scene, grey_levels):
+    """Two neighbouring frames are brighter and darker than the one between, which no motion explains."""
+    for t in range(FRAMES):
+        scene["images"][(t, *_at(np.s_[12:28, 19:43], t))] = np.array(PLAIN) + grey_levels * (t - 1)
+    needed = 0.25 * (0.25 + 0.75 * grey_levels / 10)
+    for probability, is_filled in ((needed - 0.01, False), (needed + 0.01, True)):
+        for t in range(FRAMES):
+            scene["foreground"][(t, *_at(HOLE, t))] = probability
+        assert _filled_frames(scene) == [is_filled] * FRAMES
+    assert _filled_frames(scene, hole_even_share=1) == [needed + 0.01 >= 0.25] * FRAMES
+
+
+def test_an_error_of_none_fills_only_what_is_exactly_even(scene):
+    assert _filled_frames(scene, hole_error=0) == [True] * FRAMES
+    scene["images"][1] += 1
+    assert _filled_frames(scene, hole_error=0) == [False] * FRAMES
 
 
 def test_the_mean_probability_of_a_hole_counts(scene):
     for t in range(FRAMES):
         rows, columns = _at(HOLE, t)
         scene["foreground"][t, rows, columns.start : columns.start + 6] = 0.05
-    assert _filled_frames(scene) == [False] * FRAMES
-    assert _filled_frames(scene, hole_probability=0.2) == [True] * FRAMES
+    assert _filled_frames(scene, hole_even_share=1) == [False] * FRAMES
+    assert _filled_frames(scene, hole_even_share=1, hole_probability=0.2) == [True] * FRAMES
+
+
+@pytest.mark.parametrize(("low", "is_filled"), [((1,), True), ((0, 2), False)])
+def test_a_hole_is_one_over_the_frames_that_share_its_pixels(scene, low, is_filled):
+    for t in low:
+        scene["foreground"][(t, *_at(HOLE, t))] = 0.01
+    assert _filled_frames(scene) == [is_filled] * FRAMES
+
+
+def test_holes_that_share_no_pixel_are_decided_apart(scene):
+    far = {name: each.copy() for name, each in scene.items()}
+    for name in ("labels", "foreground", "images"):
+        # The hole is 8 px high, and 10 px lower in each frame.
+        far[name][0], far[name][2] = np.roll(scene[name][0], -10, axis=0), np.roll(scene[name][2], 10, axis=0)
+    far["flows"][:] = 0
+    far["foreground"][1][_at(HOLE, 1)] = 0.01
+    found = _fill(far, hole_error=255)
+    filled = [bool((found[t] > 0).sum() == 20 * 30) for t in range(FRAMES)]
+    assert filled == [True, False, True]
 
 
 def test_a_hole_whose_colours_would_show_its_motion_is_left(scene):
@@ -125,26 +164,48 @@ def test_no_hole_is_filled_above_the_largest_probability(scene):
     assert np.array_equal(_fill(scene, hole_probability=1), scene["labels"])
 
 
-def test_what_is_open_to_the_border_or_to_the_outside_is_no_hole(scene):
+def test_what_is_open_to_the_outside_is_no_hole(scene):
     opened = {**scene, "labels": scene["labels"].copy()}
     rows, columns = _at(HOLE, 1)
     opened["labels"][1, rows.start, columns.stop :] = 0
     assert _filled_frames(opened) == [True, False, True]
-    for side in (np.s_[10:30, :32], np.s_[10:30, 30:], np.s_[:20, 15:45], np.s_[20:, 15:45]):
-        beside = {name: each.copy() for name, each in scene.items()}
-        beside["labels"][:] = 0
-        beside["labels"][:, 10:30, 15:45] = 1
-        ring = np.zeros((HEIGHT, WIDTH), np.uint16)
-        ring[side] = 1
-        rows, columns = side
-        inner = (
-            slice(rows.start and rows.start + 3, rows.stop and rows.stop - 3),
-            slice(columns.start and columns.start + 3, columns.stop and columns.stop - 3),
-        )
-        ring[inner] = 0
-        beside["labels"][1], beside["images"][:] = ring, PLAIN
-        beside["foreground"][:] = UNDECIDED
-        assert np.array_equal(_fill(beside)[1], ring)
+
+
+@pytest.fixture(params=[(0, -1), (0, 1), (1, -1), (1, 1)], ids=["top", "bottom", "left", "right"])
+def at_the_border(request):
+    """Return a plain scene and an object at one side of the frame, around a hole 20 px long that opens there by 8."""
+    axis, end = request.param
+    labels = np.zeros((HEIGHT, HEIGHT), np.uint16)
+    labels[-24:, 8:32] = 1
+    labels[-20:, 16:24] = 0
+    labels = np.flip(labels, axis=0) if end < 0 else labels
+    labels = labels.T if axis == 1 else labels
+    shape = (FRAMES, HEIGHT, HEIGHT)
+    return {
+        "labels": np.repeat(labels[None], FRAMES, axis=0),
+        "foreground": np.full(shape, UNDECIDED, np.float16),
+        "images": np.full((*shape, 3), PLAIN, np.uint8),
+        "flows": np.zeros((FRAMES, 2, *shape[1:], 2), np.float32),
+        "residual_flows": np.zeros((FRAMES, 2, *shape[1:], 2), np.float32),
+    }
+
+
+def test_a_hole_may_be_open_to_a_side_of_the_frame(at_the_border):
+    """8 px of its outline of 56 are there."""
+    found = _fill(at_the_border)
+    assert (found > 0).sum() == FRAMES * 24 * 24
+    assert np.array_equal(_fill(at_the_border, hole_border=0.15), found)
+    assert np.array_equal(_fill(at_the_border, hole_border=0.14), at_the_border["labels"])
+    assert np.array_equal(_fill(at_the_border, hole_border=0), at_the_border["labels"])
+
+
+def test_what_is_open_to_two_sides_of_the_frame_is_no_hole(at_the_border):
+    """The object cuts off a corner of the frame."""
+    at_the_border["labels"][:] = 0
+    corner = at_the_border["labels"][:, -20:, -20:]
+    corner[:] = 1
+    corner[:, 4:, 4:] = 0
+    assert np.array_equal(_fill(at_the_border, hole_border=1), at_the_border["labels"])
 
 
 def test_a_hole_that_meets_the_outside_at_a_corner_is_closed(scene):
