@@ -3,7 +3,8 @@
 A tracker slips along edges and on bare road. Such a track deviates from every rigid point, but the patch at a rigid
 position looks just as much like the one it started from, so that nothing speaks for a motion. Where a near surface
 crosses a far one, as a pole before a meadow, a corner of both moves like neither: there each half of the patch may have
-a rigid position of its own.
+a rigid position of its own. And what is faint and stands still in the picture may be no thing of the scene at all, but
+a reflection in the windscreen, or bare road of which a codec repeats what it showed before.
 """
 
 from typing import NamedTuple
@@ -67,7 +68,9 @@ def compare_patches(
     float64 (M, 2)
         (m1 - m0) / (noise² + m0) in -1..`params.test_limit`, with m0 and m1 the mean squared differences of patches
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
-        as well, 1 where it is worse by as much as the tracked position itself. In the second column m1 is no larger
+        as well, 1 where it is worse by as much as the tracked position itself. For a patch whose standard deviation is
+        below `params.test_still_contrast` times the noise, the place where it was in the first frame counts as a rigid
+        position. In the second column m1 is no larger
         than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid position.
         The noise is `params.test_noise`, but at most `params.test_contrast` times the contrast of the first frame.
     """
@@ -88,6 +91,9 @@ def compare_patches(
         tracked = differ(points1[part][:, None] + _BESIDE)[..., 0].min(axis=1)
         whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
         pairs = [(half0 + half1) / 2 for half0, half1 in zip(halves[::2], halves[1::2], strict=True)]
+        faint = patches[:, 0].std(axis=1) < params.test_still_contrast * noise
+        still = differ(points0[part][:, None] + _BESIDE)[..., 0].min(axis=1)
+        whole = np.where(faint, np.minimum(whole, still), whole)
         rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)
         result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (noise**2 + tracked[:, None] + _FLOOR)
     return np.clip(result, -1, params.test_limit)

@@ -168,6 +168,12 @@ class RigidityParams(Frozen):
         le=90,
         description="half the side of a patch, px",
     )
+    test_still_contrast: Annotated[float, Unit.RATIO] = Field(
+        4.0,
+        ge=0,
+        description="standard deviation of a patch, in its noise, below which standing still in the picture explains it"
+        " as a rigid position does: a reflection in the windscreen, or bare road that a codec repeats; 0 explains none",
+    )
     test_span: Annotated[int, Unit.PIXELS] = Field(
         # The positions of 64 tracks are the rows of that map, of which there are as many at most.
         8,

@@ -95,6 +95,29 @@ def test_two_rigid_positions_excuse_no_less_than_one(compare):
         assert (strict_test <= test).all()
 
 
+def faint(image, contrast):
+    """Return a frame uint8 (y, x) whose left side, with the tracks, has a deviation of `contrast` grey levels."""
+    grey = 128 + (image.astype(float) - image.mean()) * contrast / image.std()
+    return np.where(np.arange(SIDE) < 135, np.clip(np.rint(grey), 0, 255), image).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("contrast", "is_excused"), [(5, True), (14, False)])
+def test_what_is_faint_and_stands_still_in_the_picture_is_excused(compare, image, contrast, is_excused):
+    """A rigid point there would have moved by 4 px or more."""
+    still = faint(image, contrast)
+    found = np.median(compare(None, (0.0, 0.0), least=4.0, images=(still, still)), axis=0)
+    assert (np.abs(found) < 0.1).all() == is_excused
+    assert (found > 1).all() != is_excused
+    without = PARAMS.model_copy(update={"test_still_contrast": 0.0})
+    assert (compare(None, (0.0, 0.0), least=4.0, images=(still, still), params=without) > 1).mean() > 0.9
+
+
+def test_what_is_faint_and_moves_in_the_picture_is_not_excused(compare, image):
+    first = faint(image, 5)
+    second = cv2.warpAffine(first, np.array([[1.0, 0, 0], [0, 1.0, 2]]), (SIDE, SIDE))
+    assert (np.median(compare(None, (0.0, 2.0), images=(first, second)), axis=0) > 1).all()
+
+
 def test_bare_ground_is_always_excused(compare):
     bare = np.full((SIDE, SIDE), 90, np.uint8)
     np.testing.assert_array_equal(compare((0, 0), (3.0, 4.0), images=(bare, bare)), 0)
