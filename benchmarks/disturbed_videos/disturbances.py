@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from functools import partial
+from io import BytesIO
 from typing import NamedTuple
 
+import av
 import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -37,6 +39,27 @@ def add_noise(video: Video, rng: np.random.Generator) -> Video:
 def compress(frame: np.ndarray) -> np.ndarray:
     """Return the frame after JPEG of quality 12."""
     return cv2.imdecode(cv2.imencode(".jpg", frame, [cv2.IMWRITE_JPEG_QUALITY, 12])[1], cv2.IMREAD_COLOR)
+
+
+def encode(video: Video, rng: np.random.Generator, quality: int = 32) -> Video:
+    """Encode the frames by H.264 and decode them: what is plain or changes little is repeated from frames before.
+
+    `quality` is the constant rate factor, of which 23 is usual and more is worse.
+    """
+    height, width = video.frames[0].shape[:2]
+    coded = BytesIO()
+    with av.open(coded, "w", format="mp4") as container:
+        stream = container.add_stream("libx264", rate=25, options={"crf": str(quality)})
+        # Chroma has half the resolution, so that sides must be even.
+        stream.width, stream.height, stream.pix_fmt = width + width % 2, height + height % 2, "yuv420p"
+        for frame in video.frames:
+            even = np.pad(frame, [(0, height % 2), (0, width % 2), (0, 0)], mode="edge")
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(even, "bgr24")))
+        container.mux(stream.encode())
+    coded.seek(0)
+    with av.open(coded) as container:
+        decoded = [frame.to_ndarray(format="bgr24")[:height, :width] for frame in container.decode(video=0)]
+    return video._replace(frames=decoded)
 
 
 def remove_colour(frame: np.ndarray) -> np.ndarray:
@@ -171,6 +194,7 @@ DISTURBANCES: dict[str, tuple[str, Disturbance]] = {
     "grey": ("without colour", _each(remove_colour, _same)),
     "noisy": ("noise of ten grey levels", add_noise),
     "compressed": ("JPEG of quality 12", _each(compress, _same)),
+    "coded": ("H.264 of quality 32", encode),
     "dark": ("12 % of the light", _each(darken, _same)),
     "flash": ("a flash of light in the middle", flash),
     "exposure": ("half the light from the middle on", change_exposure),

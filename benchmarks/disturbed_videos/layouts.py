@@ -71,7 +71,10 @@ class Kt3dMoSeg:
     """
 
     name = "kt3dinsmoseg"
-    disturbances = ("none", "mirrored", "reversed", "every-second", "640-px", "noisy", "compressed", "dark", "exposure")
+    disturbances = (
+        *("none", "mirrored", "reversed", "every-second", "640-px"),
+        *("noisy", "compressed", "coded", "dark", "exposure"),
+    )
 
     def sequences(self, root: Path) -> list[str]:
         return sorted(path.name.removesuffix("_Tracks.mat") for path in root.glob("*_Tracks.mat"))

@@ -45,6 +45,7 @@ def _disturbed_roads() -> Rows:
         "every_second": "every second frame",
         "noisy": "noise of ten grey levels",
         "compressed": "JPEG of quality 12",
+        "coded": "H.264 of quality 32",
         "dark": "12 % of the light",
     }
     clips = ("Seq009_Clip01", "Seq028_clip03", "Seq009_Clip03", "Seq071_Clip01")

@@ -113,3 +113,22 @@ def test_a_sequence_that_is_not_there_is_named(road):
     for layout in LAYOUTS.values():
         with pytest.raises(FileNotFoundError, match=r"no frames in .*none"):
             layout.read(road, "none")
+
+
+@pytest.mark.parametrize("shape", [(64, 96), (63, 95)])
+def test_encoded_frames_are_like_the_frames_and_keep_their_size(shape):
+    from disturbances import Video, encode
+
+    rng = np.random.default_rng(0)
+    scene = cv2.GaussianBlur(rng.uniform(0, 255, (shape[0], shape[1] + 20, 3)), (0, 0), 3)
+    scene = np.clip(128 + 4 * (scene - scene.mean()), 0, 255).astype(np.uint8)
+    frames = [scene[:, 4 * number : 4 * number + shape[1]] for number in range(5)]
+    coded = encode(Video(frames, frames), rng)
+    assert coded.truths is frames
+    assert [frame.shape for frame in coded.frames] == [(*shape, 3)] * 5
+    for frame, other in zip(frames, coded.frames, strict=True):
+        errors = [np.abs(other.astype(float) - each).mean() for each in frames]
+        assert errors[[each is frame for each in frames].index(True)] == min(errors) > 0
+    rough = encode(Video(frames, frames), rng, quality=45)
+    error = [np.abs(np.subtract(each.frames, frames, dtype=float)).mean() for each in (coded, rough)]
+    assert error[0] < error[1]
