@@ -21,6 +21,8 @@ _REFINEMENTS = (0.5, 0.25)
 """Steps along the epipolar line after the first search at whole pixels, px."""
 _FLOOR = 1e-6
 """Squared grey levels; in a frame without contrast noise is zero, and all differences are."""
+_MARKED, _FAINT = 90, 0.6
+"""Percentile of the contrasts of a frame, and the share of it that what is faint has at most."""
 _TOGETHER = 64
 """Tracks whose patches are compared at a time: they fit into the processor's cache."""
 
@@ -68,18 +70,21 @@ def compare_patches(
     float64 (M, 2)
         (m1 - m0) / (noise² + m0) in -1..`params.test_limit`, with m0 and m1 the mean squared differences of patches
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
-        as well, 1 where it is worse by as much as the tracked position itself. For a patch whose standard deviation is
-        below `params.test_still_contrast` times the noise, the place where it was in the first frame counts as a rigid
-        position. In the second column m1 is no larger
-        than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid position.
-        The noise is `params.test_noise`, but at most `params.test_contrast` times the contrast of the first frame.
+        as well, 1 where it is worse by as much as the tracked position itself. Of a faint patch, m1 is no larger than
+        the difference at the place where it was in the first frame, to a quarter of a pixel. In the second column m1 is
+        no larger than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid
+        position. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean contrast of the
+        first frame; a faint patch has a contrast below `params.test_still_contrast` times the noise, and below 0.6
+        times the contrast that a tenth of the frame exceeds. Contrast is the standard deviation in a patch.
     """
     image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half
     offsets = np.arange(-size, size + 1, dtype=np.float32)
     offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
     parts = _parts(offset_x, offset_y)
-    noise = min(params.test_noise, params.test_contrast * _contrast(image0, 2 * size + 1))
+    contrast = _contrast(image0, 2 * size + 1)
+    noise = min(params.test_noise, params.test_contrast * float(contrast.mean()))
+    faint = min(params.test_still_contrast * noise, _FAINT * float(np.percentile(contrast, _MARKED)))
     result = np.zeros((len(rows), 2))
     for start in range(0, len(rows), _TOGETHER):
         part = rows[start : start + _TOGETHER]
@@ -91,9 +96,10 @@ def compare_patches(
         tracked = differ(points1[part][:, None] + _BESIDE)[..., 0].min(axis=1)
         whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
         pairs = [(half0 + half1) / 2 for half0, half1 in zip(halves[::2], halves[1::2], strict=True)]
-        faint = patches[:, 0].std(axis=1) < params.test_still_contrast * noise
-        still = differ(points0[part][:, None] + _BESIDE)[..., 0].min(axis=1)
-        whole = np.where(faint, np.minimum(whole, still), whole)
+        is_faint = patches[:, 0].std(axis=1) < faint
+        if is_faint.any():
+            still = differ(points0[part[is_faint]][:, None] + _BESIDE, patches[is_faint])[..., 0].min(axis=1)
+            whole[is_faint] = np.minimum(whole[is_faint], still)
         rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)
         result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (noise**2 + tracked[:, None] + _FLOOR)
     return np.clip(result, -1, params.test_limit)
@@ -120,10 +126,10 @@ def _best_rigid(differ, parallax: Parallax, allowed: AllowedParallax, rows, para
     return least
 
 
-def _contrast(image: np.ndarray, side: int) -> float:
-    """Return the mean, over an image float32 (y, x), of the standard deviation in squares of `side` px."""
+def _contrast(image: np.ndarray, side: int) -> np.ndarray:
+    """Return the standard deviation float32 (y, x) in squares of `side` px around the pixels of an image float32."""
     mean, square = (cv2.blur(each, (side, side)) for each in (image, image * image))
-    return float(np.sqrt(np.maximum(square - mean * mean, 0)).mean())
+    return np.sqrt(np.maximum(square - mean * mean, 0))
 
 
 def _parts(offset_x: np.ndarray, offset_y: np.ndarray) -> np.ndarray:

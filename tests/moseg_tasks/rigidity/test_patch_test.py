@@ -95,10 +95,12 @@ def test_two_rigid_positions_excuse_no_less_than_one(compare):
         assert (strict_test <= test).all()
 
 
-def faint(image, contrast):
-    """Return a frame uint8 (y, x) whose left side, with the tracks, has a deviation of `contrast` grey levels."""
-    grey = 128 + (image.astype(float) - image.mean()) * contrast / image.std()
-    return np.where(np.arange(SIDE) < 135, np.clip(np.rint(grey), 0, 255), image).astype(np.uint8)
+def faint(image, contrast, where=slice(None)):
+    """Return a frame uint8 (y, x) whose columns with tracks, or some, have a deviation of `contrast` grey levels."""
+    grey = np.clip(np.rint(128 + (image.astype(float) - image.mean()) * contrast / image.std()), 0, 255)
+    frame = image.copy()
+    frame[:, :126][:, where] = grey[:, :126][:, where]
+    return frame
 
 
 @pytest.mark.parametrize(("contrast", "is_excused"), [(5, True), (14, False)])
@@ -112,10 +114,27 @@ def test_what_is_faint_and_stands_still_in_the_picture_is_excused(compare, image
     assert (compare(None, (0.0, 0.0), least=4.0, images=(still, still), params=without) > 1).mean() > 0.9
 
 
-def test_what_is_faint_and_moves_in_the_picture_is_not_excused(compare, image):
+def test_each_patch_is_faint_or_not_by_itself(compare, image):
+    still = faint(image, 5, where=slice(74))
+    found = compare(None, (0.0, 0.0), least=4.0, images=(still, still))
+    left = GRID[:, 0] < 70
+    assert (np.abs(found[left]) < 0.3).all()
+    assert (np.median(found[GRID[:, 0] >= 80], axis=0) > 1).all()
+
+
+@pytest.mark.parametrize(("moved", "least", "largest"), [(0.25, -0.1, 0.1), (1.0, 0.3, 2.0), (2.0, 1.0, 3.0)])
+def test_what_is_faint_and_moves_in_the_picture_is_not_excused(compare, image, moved, least, largest):
+    """Of what moves by less than a pixel, the difference is little more than noise."""
     first = faint(image, 5)
-    second = cv2.warpAffine(first, np.array([[1.0, 0, 0], [0, 1.0, 2]]), (SIDE, SIDE))
-    assert (np.median(compare(None, (0.0, 2.0), images=(first, second)), axis=0) > 1).all()
+    second = cv2.warpAffine(first, np.array([[1.0, 0, 0], [0, 1.0, moved]]), (SIDE, SIDE))
+    found = np.median(compare(None, (0.0, moved), images=(first, second)), axis=0)
+    assert (found > least).all() and (found < largest).all()
+
+
+@pytest.mark.parametrize("share", [1 / 3, 1 / 8, 1 / 16])
+def test_what_stands_still_in_a_dark_frame_is_not_faint_for_that(compare, image, share):
+    dark = np.rint(image * share).astype(np.uint8)
+    assert (np.median(compare(None, (0.0, 0.0), least=4.0, images=(dark, dark)), axis=0) > 1).all()
 
 
 def test_bare_ground_is_always_excused(compare):
