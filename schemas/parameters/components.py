@@ -42,21 +42,22 @@ class ComponentParams(Frozen):
         0.25,
         ge=0,
         le=1,
-        description="mean probability to move from which a hole of plain colour belongs to the object around it; 1 "
-        "fills none",
+        description="mean probability to move from which a hole belongs to the object around it, unless it is plain, "
+        "where less suffices; 1 fills none",
     )
-    hole_even_share: Annotated[float, Unit.SHARE] = Field(
-        0.25, ge=0, le=1, description="share of this probability that suffices where the hole's colour is even"
+    hole_plain_share: Annotated[float, Unit.SHARE] = Field(
+        0.25, ge=0, le=1, description="share of this probability that suffices where a hole has a single colour"
+    )
+    hole_roughness: Annotated[float, Unit.GREY_LEVELS] = Field(
+        7.0, gt=0, description="mean difference of a hole's colours 2 px apart from which it is not plain, grey levels"
     )
     hole_error: Annotated[float, Unit.GREY_LEVELS] = Field(
-        10.0,
-        ge=0,
-        description="colour error that the background's motion leaves in a hole of plain colour, at most, grey levels",
+        10.0, ge=0, description="colour error that the background's motion leaves in a hole, at most, grey levels"
     )
     hole_border: Annotated[float, Unit.SHARE] = Field(
         0.3,
         ge=0,
-        le=1,
-        description="share of a hole's outline that may lie on one side of the frame; 0 takes holes that the object "
+        le=0.5,
+        description="largest share of a hole's outline on one side of the frame; 0 fills only holes that the object "
         "surrounds",
     )

@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "be8cb621475a5a37",
-    "oc-depth": "85483c3125123210",
-    "oc": "84bfbffaf466539e",
-    "trajs": "7638c8e9fd9fe1f9",
-    "base": "f6cc0a3ff9ac402c",
+    "fused": "c24344eeb86b45e2",
+    "oc-depth": "c6d1bf9f82016f1d",
+    "oc": "7d26a78494a9661f",
+    "trajs": "ec5e7d68b5a5c626",
+    "base": "3c37e7b6c25c43d7",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "e5a96fbbbaeaf914",
+    "tracks": "7d2bbd5544e990e2",
 }
 
 
