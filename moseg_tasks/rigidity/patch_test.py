@@ -23,6 +23,8 @@ _FLOOR = 1e-6
 """Squared grey levels; in a frame without contrast noise is zero, and all differences are."""
 _MARKED, _FAINT = 90, 0.6
 """Percentile of the contrasts of a frame, and the share of it that what is faint has at most."""
+_AWAY = 4
+"""Least distance of a place that stands still in the picture from all rigid positions, px."""
 _TOGETHER = 64
 """Tracks whose patches are compared at a time: they fit into the processor's cache."""
 
@@ -70,12 +72,13 @@ def compare_patches(
     float64 (M, 2)
         (m1 - m0) / (noise² + m0) in -1..`params.test_limit`, with m0 and m1 the mean squared differences of patches
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
-        as well, 1 where it is worse by as much as the tracked position itself. Of a faint patch, m1 is no larger than
-        the difference at the place where it was in the first frame, to a quarter of a pixel. In the second column m1 is
-        no larger than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid
-        position. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean contrast of the
-        first frame; a faint patch has a contrast below `params.test_still_contrast` times the noise, and below 0.6
-        times the contrast that a tenth of the frame exceeds. Contrast is the standard deviation in a patch.
+        as well, 1 where it is worse by as much as the tracked position itself. Of a faint patch that began 4 px or more
+        away from every rigid position, m1 is no larger than the difference at the place where it began, to a quarter of
+        a pixel. In the second column m1 is no larger than `params.test_two_surfaces` times the mean of two halves of
+        the patch, each at its best rigid position. The noise is `params.test_noise`, but at most `params.test_contrast`
+        times the mean contrast of the first frame; a faint patch has a contrast below `params.test_still_contrast`
+        times the noise, and below 0.6 times the contrast that a tenth of the frame exceeds. Contrast is the standard
+        deviation in a patch.
     """
     image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half
@@ -85,6 +88,7 @@ def compare_patches(
     contrast = _contrast(image0, 2 * size + 1)
     noise = min(params.test_noise, params.test_contrast * float(contrast.mean()))
     faint = min(params.test_still_contrast * noise, _FAINT * float(np.percentile(contrast, _MARKED)))
+    away = _away_from_rigid(points0[rows], parallax, allowed, rows)
     result = np.zeros((len(rows), 2))
     for start in range(0, len(rows), _TOGETHER):
         part = rows[start : start + _TOGETHER]
@@ -96,13 +100,22 @@ def compare_patches(
         tracked = differ(points1[part][:, None] + _BESIDE)[..., 0].min(axis=1)
         whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
         pairs = [(half0 + half1) / 2 for half0, half1 in zip(halves[::2], halves[1::2], strict=True)]
-        is_faint = patches[:, 0].std(axis=1) < faint
-        if is_faint.any():
-            still = differ(points0[part[is_faint]][:, None] + _BESIDE, patches[is_faint])[..., 0].min(axis=1)
-            whole[is_faint] = np.minimum(whole[is_faint], still)
+        may_be_still = (patches[:, 0].std(axis=1) < faint) & (away[start : start + _TOGETHER] >= _AWAY)
+        if may_be_still.any():
+            places = points0[part[may_be_still]][:, None] + _BESIDE
+            still = differ(places, patches[may_be_still])[..., 0].min(axis=1)
+            whole[may_be_still] = np.minimum(whole[may_be_still], still)
         rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)
         result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (noise**2 + tracked[:, None] + _FLOOR)
     return np.clip(result, -1, params.test_limit)
+
+
+def _away_from_rigid(places: np.ndarray, parallax: Parallax, allowed: AllowedParallax, rows: np.ndarray) -> np.ndarray:
+    """Return how far places (M, 2) are from the nearest rigid position of each track of `rows`, float64 (M,), px."""
+    rotated, towards = parallax.rotated[rows], parallax.towards[rows]
+    along = np.sum((places - rotated) * towards, axis=1)
+    along = allowed.clip(along[:, None], rows)
+    return np.linalg.norm(rotated + along * towards - places, axis=1)
 
 
 def _best_rigid(differ, parallax: Parallax, allowed: AllowedParallax, rows, params: RigidityParams) -> np.ndarray:

@@ -97,7 +97,7 @@ def _params(config: PipelineConfig, step: int = 1, gap: int = 1, bars: BlackBars
     return params if step == 1 else {**params, "step": step}
 
 
-EPIPOLAR = Task("rigidity", "epipolar", version=10, run=_run, params=_params)
+EPIPOLAR = Task("rigidity", "epipolar", version=11, run=_run, params=_params)
 
 STAGE = Stage(
     name="rigidity",

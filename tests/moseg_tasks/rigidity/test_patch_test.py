@@ -114,6 +114,12 @@ def test_what_is_faint_and_stands_still_in_the_picture_is_excused(compare, image
     assert (compare(None, (0.0, 0.0), least=4.0, images=(still, still), params=without) > 1).mean() > 0.9
 
 
+def test_what_stands_still_near_a_rigid_position_is_not_excused(compare, image):
+    """Where the scene moves little, a thing may stand still."""
+    still = faint(image, 5)
+    assert (np.median(compare(None, (0.0, 0.0), least=3.5, images=(still, still)), axis=0) > 1).all()
+
+
 def test_each_patch_is_faint_or_not_by_itself(compare, image):
     still = faint(image, 5, where=slice(74))
     found = compare(None, (0.0, 0.0), least=4.0, images=(still, still))
