@@ -169,14 +169,14 @@ def test_holes_that_share_half_their_pixels_are_one(down, is_one, scene):
 
 
 def test_specks_do_not_outvote_a_hole(scene):
-    """In one frame the hole is in three pieces, two of them specks that are likely to move."""
+    """The hole is in pieces, of which most are specks that are likely to move."""
     _set_probability(scene, 0.02)
     still = {name: np.repeat(each[1:2], FRAMES, axis=0) for name, each in scene.items()}
     still["flows"][:], still["residual_flows"][:] = 0, 0
     rows, columns = HOLE
-    still["labels"][1, rows, columns.start + 1 : columns.start + 4 : 2] = 1
-    still["labels"][1, rows.start + 1 : rows.stop : 2, columns.start : columns.start + 3] = 1
-    still["foreground"][1, rows, columns.start : columns.start + 3] = 0.9
+    still["labels"][0::2, rows, columns.start + 1 : columns.start + 4 : 2] = 1
+    still["labels"][0::2, rows.start + 1 : rows.stop : 2, columns.start : columns.start + 3] = 1
+    still["foreground"][0::2, rows, columns.start : columns.start + 3] = 0.3
     assert np.array_equal(_fill(still), still["labels"])
 
 
@@ -283,6 +283,17 @@ def test_how_far_a_hole_is_usually_open_counts(at_the_border):
     assert (_fill(several) > 0).sum() == 5 * 24 * 24
     alone = {name: np.repeat(each[-1:], 3, axis=0) for name, each in several.items()}
     assert np.array_equal(_fill(alone), alone["labels"])
+
+
+def test_a_hole_that_is_seldom_closed_enough_is_left(at_the_border):
+    """In the first of five frames it is 20 px deep, and in the others 4 px."""
+    several = {name: np.concatenate([each, each[:2]]) for name, each in at_the_border.items()}
+    several["labels"][:] = 0
+    several["labels"][:, -24:, 8:32] = 1
+    several["labels"][0, -20:, 16:24] = several["labels"][1:, -4:, 16:24] = 0
+    several["labels"][1, -20:, 16:24] = 0
+    found = _fill(several)
+    assert np.array_equal(found, several["labels"])
 
 
 def test_what_is_open_to_two_sides_of_the_frame_is_no_hole(at_the_border):

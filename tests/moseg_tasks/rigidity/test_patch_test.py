@@ -128,6 +128,32 @@ def test_each_patch_is_faint_or_not_by_itself(compare, image):
     assert (np.median(found[GRID[:, 0] >= 80], axis=0) > 1).all()
 
 
+def test_what_is_faint_and_moves_as_the_scene_does_is_explained(compare, image):
+    first = faint(image, 5)
+    second = cv2.warpAffine(first, np.array([[1.0, 0, 6], [0, 1.0, 0]]), (SIDE, SIDE))
+    assert np.abs(np.median(compare(None, (6.0, 0.0), least=5.0, images=(first, second)), axis=0)).max() < 0.2
+
+
+def test_a_quarter_of_a_pixel_is_still(compare, image):
+    first = faint(image, 7)
+    second = cv2.warpAffine(first, np.array([[1.0, 0, 0], [0, 1.0, 0.25]]), (SIDE, SIDE))
+    found = np.median(compare(None, (0.0, 0.25), least=4.0, images=(first, second)), axis=0)
+    assert (np.abs(found) < 0.02).all()
+
+
+@pytest.mark.parametrize(("beside", "is_excused"), [(60, True), (14, False)])
+def test_what_is_faint_depends_on_the_noise(compare, beside, is_excused):
+    """In a frame of little contrast, noise is taken to be less, and patches of seven grey levels are not faint."""
+    signs = np.kron(np.random.default_rng(3).choice([-1, 1], (54, 54)), np.ones((3, 3)))[:SIDE, :SIDE]
+    still = np.full((SIDE, SIDE), 128, np.uint8)
+    still[25:56, 25:56] = 128 + 7 * signs[25:56, 25:56]
+    still[:, 138:] = 128 + beside * signs[:, 138:]
+    places = GRID[(GRID < 60).all(axis=1)]
+    found = np.median(compare(None, (0.0, 0.0), least=4.0, images=(still, still), points0=places), axis=0)
+    assert (np.abs(found) < 0.1).all() == is_excused
+    assert (found > 1).all() != is_excused
+
+
 @pytest.mark.parametrize(("moved", "least", "largest"), [(0.25, -0.1, 0.1), (1.0, 0.3, 2.0), (2.0, 1.0, 3.0)])
 def test_what_is_faint_and_moves_in_the_picture_is_not_excused(compare, image, moved, least, largest):
     """Of what moves by less than a pixel, the difference is little more than noise."""
