@@ -115,7 +115,6 @@ def test_what_is_faint_and_stands_still_in_the_picture_is_excused(compare, image
 
 
 def test_what_stands_still_near_a_rigid_position_is_not_excused(compare, image):
-    """Where the scene moves little, a thing may stand still."""
     still = faint(image, 5)
     assert (np.median(compare(None, (0.0, 0.0), least=3.5, images=(still, still)), axis=0) > 1).all()
 
