@@ -172,8 +172,8 @@ class RigidityParams(Frozen):
         4.0,
         ge=0,
         description="standard deviation of a patch, in its noise, below which standing still in the picture explains it"
-        " as a rigid position does, unless the whole frame has so little contrast: a reflection in the windscreen, or"
-        " bare road that a codec repeats; 0 explains none",
+        " as a rigid position does where those are 4 px or more away, unless the whole frame has so little contrast: a"
+        " reflection in the windscreen, or bare road that a codec repeats; 0 explains none",
     )
     test_span: Annotated[int, Unit.PIXELS] = Field(
         # The positions of 64 tracks are the rows of that map, of which there are as many at most.
