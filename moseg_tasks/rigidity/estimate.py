@@ -117,7 +117,11 @@ def estimate_rigidity(
             both = images[start], images[start + gap]
             inverse_depth = None if depth_of is None else depth_of(start)
             length = given[index].length if index in given else None
-            evidence[index] = pair_evidence(both, *tracks[index][1:], motions[index], params, inverse_depth, length)
+            beyond = [frame for apart in params.test_still_frames for frame in (start - apart, start + gap + apart)]
+            others = [images[frame] for frame in beyond if 0 <= frame < len(images)]
+            evidence[index] = pair_evidence(
+                both, *tracks[index][1:], motions[index], params, inverse_depth, length, others
+            )
     kept = sorted(evidence)
     arrays = np.full((len(TRACK_EVIDENCE), len(kept), len(points)), np.nan, np.float16)
     for row, index in enumerate(kept):

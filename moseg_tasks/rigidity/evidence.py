@@ -1,5 +1,6 @@
 """Evidence of one frame pair against a rigid scene: how far each track deviates from every static point."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -54,6 +55,7 @@ def pair_evidence(
     params: RigidityParams,
     inverse_depth: np.ndarray | None = None,
     length: float | None = None,
+    others: Sequence[np.ndarray] = (),
 ) -> PairEvidence:
     """Measure the deviation of tracks from a rigid scene over one pair of frames.
 
@@ -70,6 +72,8 @@ def pair_evidence(
         the parallax.
     length : float, optional
         How far the camera travels, in the unit of the depth, if that is known.
+    others : sequence of uint8 (y, x), optional
+        Blurred grey frames from well before and well after the pair, to tell what stands still for longer.
 
     Returns
     -------
@@ -98,7 +102,8 @@ def pair_evidence(
     # A marking along the road looks alike wherever the tracker is on it, but is wider where it is nearer.
     doubtful = doubtful[roundness(images[0], points0[doubtful], _STRAIGHT_SIDE) >= params.test_roundness]
     tests = np.zeros((len(points0), 2))
-    tests[doubtful] = compare_patches(*images, points0, points1, parallax, deviation.allowed, doubtful, params)
+    allowed = deviation.allowed
+    tests[doubtful] = compare_patches(*images, points0, points1, parallax, allowed, doubtful, params, others)
     test, strict_test = (similar.mean_with_itself(each) for each in tests.T)
 
     def limited(squared, test):

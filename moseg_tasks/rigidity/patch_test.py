@@ -4,9 +4,11 @@ A tracker slips along edges and on bare road. Such a track deviates from every r
 position looks just as much like the one it started from, so that nothing speaks for a motion. Where a near surface
 crosses a far one, as a pole before a meadow, a corner of both moves like neither: there each half of the patch may have
 a rigid position of its own. And what is faint and stands still in the picture may be no thing of the scene at all, but
-a reflection in the windscreen, or bare road of which a codec repeats what it showed before.
+a reflection in the windscreen, or bare road of which a codec repeats what it showed before. Both stay for longer than a
+pair of frames takes; a dark, plain leg that crosses the frame does not.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import cv2
@@ -50,6 +52,7 @@ def compare_patches(
     allowed: AllowedParallax,
     rows: np.ndarray,
     params: RigidityParams,
+    others: Sequence[np.ndarray] = (),
 ) -> np.ndarray:
     """Compare the patch of each track at its tracked position with that at the best rigid position.
 
@@ -66,6 +69,8 @@ def compare_patches(
     rows : intp (M,)
         Tracks to test.
     params : RigidityParams
+    others : sequence of uint8 (y, x), optional
+        Blurred grey frames from well before and well after the pair.
 
     Returns
     -------
@@ -74,13 +79,13 @@ def compare_patches(
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
         as well, 1 where it is worse by as much as the tracked position itself. Of a faint patch that began 4 px or more
         away from every rigid position, m1 is no larger than the difference at the place where it began, to a quarter of
-        a pixel. In the second column m1 is no larger than `params.test_two_surfaces` times the mean of two halves of
-        the patch, each at its best rigid position. The noise is `params.test_noise`, but at most `params.test_contrast`
-        times the mean contrast of the first frame; a faint patch has a contrast below `params.test_still_contrast`
-        times the noise, and below 0.6 times the contrast that a tenth of the frame exceeds. Contrast is the standard
-        deviation in a patch.
+        a pixel: that in the second frame or the least in `others`, whichever is larger. In the second column m1 is no
+        larger than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid
+        position. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean contrast of the
+        first frame; a faint patch has a contrast below `params.test_still_contrast` times the noise, and below 0.6
+        times the contrast that a tenth of the frame exceeds. Contrast is the standard deviation in a patch.
     """
-    image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
+    image0, image1, *others = (image.astype(np.float32) for image in (image0, image1, *others))
     size = params.test_half
     offsets = np.arange(-size, size + 1, dtype=np.float32)
     offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
@@ -94,8 +99,8 @@ def compare_patches(
         part = rows[start : start + _TOGETHER]
         patches = _patches(image0, points0[part][:, None], offset_x, offset_y)
 
-        def differ(positions, patches=patches):
-            return _differences(patches, _patches(image1, positions, offset_x, offset_y), parts)
+        def differ(positions, patches=patches, image=image1):
+            return _differences(patches, _patches(image, positions, offset_x, offset_y), parts)
 
         tracked = differ(points1[part][:, None] + _BESIDE)[..., 0].min(axis=1)
         whole, *halves = _best_rigid(differ, parallax, allowed, part, params).T
@@ -103,7 +108,11 @@ def compare_patches(
         may_be_still = (patches[:, 0].std(axis=1) < faint) & (away[start : start + _TOGETHER] >= _AWAY)
         if may_be_still.any():
             places = points0[part[may_be_still]][:, None] + _BESIDE
-            still = differ(places, patches[may_be_still])[..., 0].min(axis=1)
+            still, *at_other_times = (
+                differ(places, patches[may_be_still], image)[..., 0].min(axis=1) for image in (image1, *others)
+            )
+            if others:
+                still = np.maximum(still, np.min(at_other_times, axis=0))
             whole[may_be_still] = np.minimum(whole[may_be_still], still)
         rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)
         result[start : start + _TOGETHER] = (rigid - tracked[:, None]) / (noise**2 + tracked[:, None] + _FLOOR)

@@ -175,6 +175,11 @@ class RigidityParams(Frozen):
         " as a rigid position does where those are 4 px or more away, unless the whole frame has so little contrast: a"
         " reflection in the windscreen, or bare road that a codec repeats; 0 explains none",
     )
+    test_still_frames: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
+        (3, 5, 7),
+        description="numbers of frames before and after the two frames of a pair, separated by commas, in one of which"
+        " it must look the same there: legs do not",
+    )
     test_span: Annotated[int, Unit.PIXELS] = Field(
         # The positions of 64 tracks are the rows of that map, of which there are as many at most.
         8,
@@ -257,9 +262,9 @@ class RigidityParams(Frozen):
         description="focal lengths to try, in given ones (only with cameras)",
     )
 
-    _split_gaps = field_validator("gaps", mode="before")(split_commas)
+    _split_gaps = field_validator("gaps", "test_still_frames", mode="before")(split_commas)
     _split_focals = field_validator("focals", "camera_focals", mode="before")(split_commas)
-    _check_gaps = field_validator("gaps")(check_gaps)
+    _check_gaps = field_validator("gaps", "test_still_frames")(check_gaps)
 
     @model_validator(mode="after")
     def _check_neighbours(self) -> "RigidityParams":

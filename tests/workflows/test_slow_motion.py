@@ -122,15 +122,17 @@ def test_a_rigid_scene_is_asked_over_pairs_as_far_apart():
     def gaps(pictures_apart):
         one_section = {"length": NUM_FRAMES, "overlap": 3}
         graph = _graph(pictures_apart, rigid_support={"use": "always"}, sections=one_section)
-        names = ("gaps", "focal_gap", "pose_reach")
+        names = ("gaps", "test_still_frames", "focal_gap", "pose_reach")
         (params,) = {str([recipe.params[name] for name in names]) for recipe in _written(graph, "rigidity")}
         return params
 
-    default = PipelineConfig().rigidity
-    assert gaps((2,) * NUM_FRAMES) == str(
-        [[2 * gap for gap in default.gaps], 2 * default.focal_gap, 2 * default.pose_reach]
-    )
-    assert gaps(()) == str([list(default.gaps), default.focal_gap, default.pose_reach])
+    def times(factor):
+        default = PipelineConfig().rigidity
+        lists = [[factor * gap for gap in values] for values in (default.gaps, default.test_still_frames)]
+        return str([*lists, factor * default.focal_gap, factor * default.pose_reach])
+
+    assert gaps((2,) * NUM_FRAMES) == times(2)
+    assert gaps(()) == times(1)
     # Half of the window's frames begin a pair.
     assert gaps((8,) * NUM_FRAMES) == gaps((NUM_FRAMES // 8,) * NUM_FRAMES)
 

@@ -91,13 +91,14 @@ def _params(config: PipelineConfig, step: int = 1, gap: int = 1, bars: BlackBars
     if not has_cameras and config.depth.method == "none":
         unread |= DEPTH_PARAMS
     params = config.rigidity.model_dump(mode="json", exclude=unread) | bars_params(bars)
-    params["gaps"] = [gap * frames for frames in params["gaps"]]
+    for name in ("gaps", "test_still_frames"):
+        params[name] = [gap * frames for frames in params[name]]
     params["focal_gap"] *= gap
     params["pose_reach"] *= gap
     return params if step == 1 else {**params, "step": step}
 
 
-EPIPOLAR = Task("rigidity", "epipolar", version=11, run=_run, params=_params)
+EPIPOLAR = Task("rigidity", "epipolar", version=12, run=_run, params=_params)
 
 STAGE = Stage(
     name="rigidity",

@@ -8,7 +8,7 @@ import pytest
 
 from moseg.schemas.parameters import DenseTrackParams, RigidityParams
 from moseg.tasks.dense_tracks import track_densely
-from moseg.tasks.rigidity import TRACK_EVIDENCE, estimate_rigidity
+from moseg.tasks.rigidity import TRACK_EVIDENCE, estimate, estimate_rigidity
 from moseg.tasks.synthetic import SCENES, render_scene
 
 PARAMS = RigidityParams()
@@ -156,3 +156,25 @@ def test_with_a_step_the_evidence_of_the_pairs_that_are_read_is_the_same():
     is_read = every.pairs[:, 0] % 2 == 0
     np.testing.assert_array_equal(some.pairs, every.pairs[is_read])
     np.testing.assert_array_equal(some.strict_test, every.strict_test[is_read])
+
+
+@pytest.mark.parametrize(
+    ("apart", "beyond"),
+    [((1,), {0: [3], 1: [0, 4], 2: [1, 5], 3: [2]}), ((1, 3), {0: [3, 5], 3: [2, 0]}), ((9,), {0: []})],
+)
+def test_what_stands_still_is_sought_in_frames_before_and_after_the_pair(monkeypatch, apart, beyond):
+    rendered, tracks, _ = drive("crossing")
+    frames = [estimate._smooth_gray(image, PARAMS.test_blur) for image in rendered.images]
+    found, measure = {}, estimate.pair_evidence
+
+    def index_of(image):
+        return next(index for index, frame in enumerate(frames) if np.array_equal(frame, image))
+
+    def record(images, *args):
+        found[index_of(images[0])] = [index_of(image) for image in args[-1]]
+        return measure(images, *args)
+
+    monkeypatch.setattr(estimate, "pair_evidence", record)
+    estimate_rigidity(rendered.images, *tracks, RigidityParams(gaps=(2,), test_still_frames=apart))
+    assert {start: found[start] for start in beyond} == beyond
+    assert sorted(found) == [0, 1, 2, 3]

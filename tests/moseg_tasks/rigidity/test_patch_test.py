@@ -28,7 +28,7 @@ def image():
 def compare(image):
     """Function that tests tracks of a frame that moves by `shift`, tracked by `tracked`, px; lines run along x."""
 
-    def call(shift, tracked, least=0.0, largest=1e4, images=None, points0=GRID, params=PARAMS):
+    def call(shift, tracked, least=0.0, largest=1e4, images=None, points0=GRID, params=PARAMS, others=()):
         points1 = points0 + tracked
         count = len(points0)
         towards = np.tile([1.0, 0.0], (count, 1))
@@ -39,7 +39,7 @@ def compare(image):
         if images is None:
             shifted = np.array([[1.0, 0, shift[0]], [0, 1.0, shift[1]]])
             images = image, cv2.warpAffine(image, shifted, (SIDE, SIDE))
-        return compare_patches(*images, points0, points1, parallax, allowed, np.arange(count), params)
+        return compare_patches(*images, points0, points1, parallax, allowed, np.arange(count), params, others)
 
     return call
 
@@ -112,6 +112,23 @@ def test_what_is_faint_and_stands_still_in_the_picture_is_excused(compare, image
     assert (found > 1).all() != is_excused
     without = PARAMS.model_copy(update={"test_still_contrast": 0.0})
     assert (compare(None, (0.0, 0.0), least=4.0, images=(still, still), params=without) > 1).mean() > 0.9
+
+
+def test_what_stands_still_for_the_pair_alone_is_not_excused(compare, image):
+    """In one of the frames before or after it must stand there too."""
+    still = faint(image, 5)
+    gone = np.roll(still, 10, axis=0)
+    for others, is_excused in (((gone, gone), False), ((gone, still, gone), True), ((still,), True), ((), True)):
+        found = compare(None, (0.0, 0.0), least=4.0, images=(still, still), others=others)
+        assert (np.abs(np.median(found, axis=0)) < 0.1).all() == is_excused
+        assert (np.median(found, axis=0) > 1).all() != is_excused
+
+
+def test_what_stands_still_at_other_times_alone_is_not_excused(compare, image):
+    still = faint(image, 5)
+    second = np.roll(still, 2, axis=0)
+    found = compare(None, (0.0, 2.0), least=4.0, images=(still, second), others=(still,))
+    assert (np.median(found, axis=0) > 1).all()
 
 
 def test_what_stands_still_near_a_rigid_position_is_not_excused(compare, image):
