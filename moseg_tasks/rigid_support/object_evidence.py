@@ -27,6 +27,9 @@ class ObjectEvidence(NamedTuple):
         Tracks that have one outside the object near them, in the mean over the pairs in which the object has tracks.
     attached : float64 (K,)
         Share of those that may have the inverse depth of a track outside; 1 without any.
+    accompanied : float64 (K,)
+        Share of all tracks in the object that may have the inverse depth of `RigidSupportParams.min_contour` tracks
+        outside of all objects, wherever those are, that the rigid scene explains; 1 without any.
     num_pairs : int
         Frame pairs that were read.
     gain : float
@@ -39,6 +42,7 @@ class ObjectEvidence(NamedTuple):
     test: np.ndarray
     num_contour: np.ndarray
     attached: np.ndarray
+    accompanied: np.ndarray
     num_pairs: int
     gain: float
 
@@ -81,7 +85,7 @@ def measure_objects(
         Of the noise of displacements, and of the fit of the plane.
     """
     num_observations, test = np.zeros((2, num_objects))
-    num_contour, num_attached, num_holding = np.zeros((3, num_objects))
+    num_contour, num_attached, num_inside, num_accompanied, num_holding = np.zeros((5, num_objects))
     num_pairs, gains = 0, []
     widest = pairs[:, 1].max(initial=0)
     for (start, gap), camera, tests in zip(pairs.tolist(), cameras, strict_test, strict=True):
@@ -97,20 +101,24 @@ def measure_objects(
         if gap == widest:
             noise = displacement_noise(points0, points1, rigidity.noise, rigidity.noise_share)
             parallax = split_displacements(points0, points1, camera, labels.shape[1:])
-            has_tracks = np.bincount(owner[inside], minlength=num_objects) > 0
+            in_object = np.bincount(owner[inside], minlength=num_objects)
             rows, is_attached = _compare_depths(points0, owner, inside, parallax, noise, params)
             num_contour += np.bincount(owner[rows], minlength=num_objects)
             num_attached += np.bincount(owner[rows], is_attached, num_objects)
-            num_holding += has_tracks
             around = (owner == 0) & (owner1 == 0)
+            is_explained = np.abs(parallax.across) < noise
+            is_accompanied = _have_depth_of(around & is_explained, inside, parallax, noise, params)
+            num_accompanied += np.bincount(owner[inside], is_accompanied, num_objects)
+            num_inside += in_object
+            num_holding += in_object > 0
             if np.count_nonzero(around) >= scene.min_tracks:
-                is_explained = np.abs(parallax.across) < noise
                 gains.append(_gain(points0, points1, around, is_explained, scene.plane_slack, rigidity))
     return ObjectEvidence(
         num_observations=num_observations.astype(np.int64),
         test=test / np.maximum(num_observations, 1),
         num_contour=num_contour / np.maximum(num_holding, 1),
         attached=np.where(num_contour > 0, num_attached / np.maximum(num_contour, 1), 1.0),
+        accompanied=np.where(num_inside > 0, num_accompanied / np.maximum(num_inside, 1), 1.0),
         num_pairs=num_pairs,
         gain=float(np.median(gains)) if gains else 0.0,
     )
@@ -139,9 +147,32 @@ def _compare_depths(points, owner, inside, parallax, noise, params) -> tuple[np.
     number = np.repeat(np.arange(len(inner)), [len(each) for each in near])
     other = outer[np.concatenate(near).astype(np.intp)]
     own = inner[number]
-    depth, depth_noise = parallax.inverse_depth, noise / parallax.reach
-    nearest = np.maximum(np.abs(depth[own]), np.abs(depth[other]))
-    tolerance = np.sqrt((params.depth_slack * nearest) ** 2 + depth_noise[own] ** 2 + depth_noise[other] ** 2)
-    alike = np.bincount(number, np.abs(depth[own] - depth[other]) < tolerance, len(inner)) > 0
+    alike = np.bincount(number, _may_be_alike(own, other, parallax, noise, params), len(inner)) > 0
     at_contour = np.bincount(number, minlength=len(inner)) > 0
     return inner[at_contour], alike[at_contour]
+
+
+def _have_depth_of(others, inside, parallax, noise, params) -> np.ndarray:
+    """Return which tracks inside objects may have the inverse depth of `min_contour` or more of some others, bool (M,).
+
+    Those whose inverse depths are nearest are asked, as many above as below.
+    """
+    inner, outer = np.flatnonzero(inside), np.flatnonzero(others)
+    needed = max(int(np.ceil(params.min_contour)), 1)
+    if len(outer) < needed:
+        return np.zeros(len(inner), bool)
+    outer = outer[np.argsort(parallax.inverse_depth[outer], kind="stable")]
+    above = np.searchsorted(parallax.inverse_depth[outer], parallax.inverse_depth[inner])
+    near = above[:, None] + np.arange(-needed, needed)
+    is_there = (near >= 0) & (near < len(outer))
+    other = outer[near.clip(0, len(outer) - 1)]
+    alike = _may_be_alike(np.broadcast_to(inner[:, None], other.shape), other, parallax, noise, params)
+    return np.count_nonzero(alike & is_there, axis=1) >= needed
+
+
+def _may_be_alike(rows, others, parallax, noise, params) -> np.ndarray:
+    """Return whether tracks and others, two index arrays of one shape, may lie at one inverse depth."""
+    depth, depth_noise = parallax.inverse_depth, noise / parallax.reach
+    nearest = np.maximum(np.abs(depth[rows]), np.abs(depth[others]))
+    tolerance = np.sqrt((params.depth_slack * nearest) ** 2 + depth_noise[rows] ** 2 + depth_noise[others] ** 2)
+    return np.abs(depth[rows] - depth[others]) < tolerance

@@ -44,13 +44,13 @@ class RigidSupportParams(Frozen):
     min_contour: Annotated[float, Unit.COUNT] = Field(
         8.0,
         ge=0,
-        description="tracks at an object's contour, in the mean over frame pairs, below which it is not asked whether"
-        " it stands free",
+        description="tracks at an object's contour, in the mean over frame pairs, below which its tracks are compared"
+        " with the depth of the whole scene instead, where as many others must have it",
     )
     min_attached: Annotated[float, Unit.SHARE] = Field(
         0.75,
         ge=0,
         le=1,
-        description="share of these tracks at the depth of a track outside, below which the object stands free: its"
-        " motion may be parallel to the camera's",
+        description="share of tracks at the depth of others outside, below which the object stands free: its motion may"
+        " be parallel to the camera's",
     )

@@ -55,13 +55,59 @@ def test_other_objects_are_not_around_an_object(passage):
     assert evidence.num_observations[1:].all()
 
 
+def alone(scene, distance=20):
+    """Return the passage without tracks of the wall near the object, px."""
+    apart = np.maximum(np.abs(scene.points[:, 0] - [LEFT + SIDE / 2, 60]) - SIDE / 2, 0).max(axis=1)
+    return scene._replace(visible=scene.visible & (scene.is_object | (apart > distance))[:, None])
+
+
+@pytest.mark.parametrize(("depth", "is_accompanied"), [(40.0, True), (38.0, True), (30.0, False), (60.0, False)])
+def test_an_object_has_the_depth_of_the_scene_or_is_alone_at_its_own(passage, depth, is_accompanied):
+    evidence = measure(alone(passage(depth)))
+    assert evidence.num_contour[1] < PARAMS.min_contour
+    assert evidence.accompanied.tolist() == [1, is_accompanied]
+
+
+def beside_others(passage, number, **changes):
+    """Return the evidence of a lone object while so many tracks at the right edge of the frame have its depth."""
+    scene = alone(passage(NEAR))
+    points, frames = scene.points.copy(), np.arange(scene.points.shape[1])
+    others = np.flatnonzero(~scene.is_object & (points[:, 0, 0] > 180))[:number]
+    assert len(others) == number
+    speed = np.ptp(points[np.flatnonzero(scene.is_object)[0], :2, 0])
+    points[others, :, 0] = points[others, :1, 0] - speed * frames
+    return measure(scene._replace(points=points), **changes)
+
+
+def test_as_many_tracks_must_have_the_objects_depth_as_a_contour_needs(passage):
+    assert PARAMS.min_contour == 8
+    assert [beside_others(passage, number).accompanied[1] for number in (7, 8)] == [0, 1]
+    assert [beside_others(passage, 2, min_contour=count).accompanied[1] for count in (0, 1, 2, 2.5)] == [1, 1, 1, 0]
+
+
+def test_what_the_rigid_scene_does_not_explain_gives_no_company(passage):
+    scene = alone(passage())
+    points = scene.points.copy()
+    points[~scene.is_object, :, 1] += 2 * np.arange(points.shape[1])
+    visible = scene.visible & (points[..., 1] < scene.labels.shape[1] - 1)
+    assert measure(scene._replace(points=points, visible=visible)).accompanied[1] == 0
+    assert measure(scene).accompanied[1] == 1
+
+
+def test_other_objects_give_no_company(passage):
+    scene = alone(passage())
+    everything = np.where(scene.labels == 1, 1, 2).astype(np.uint16)
+    assert measure(scene._replace(labels=everything), 4).accompanied.tolist() == [1, 0, 0, 1]
+
+
 def test_depths_are_compared_over_the_widest_pairs(passage):
     scene = passage(NEAR)
     turned = scene.cameras[0]._replace(translation=np.array([0.0, 1.0, 0.0]))
     narrow = scene.pairs[:, 1] < 4
     spoilt = [turned if is_narrow else camera for camera, is_narrow in zip(scene.cameras, narrow, strict=True)]
     whole, only = measure(scene), measure(scene._replace(cameras=spoilt))
-    assert (only.attached == whole.attached).all() and (only.num_contour == whole.num_contour).all()
+    for name in ("attached", "num_contour", "accompanied"):
+        np.testing.assert_array_equal(getattr(only, name), getattr(whole, name))
     swapped = [camera if is_narrow else turned for camera, is_narrow in zip(scene.cameras, narrow, strict=True)]
     assert measure(scene._replace(cameras=swapped)).attached[1] != whole.attached[1]
 

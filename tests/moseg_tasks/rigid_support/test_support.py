@@ -25,10 +25,18 @@ def support_of(passage, sensitivity=1.0, min_gain=0.0):
 
 
 def judge(
-    num_observations=500, test=0.0, num_contour=30.0, attached=1.0, sensitivity=1.0, num_pairs=20, gain=0.3, **changes
+    num_observations=500,
+    test=0.0,
+    num_contour=30.0,
+    attached=1.0,
+    accompanied=1.0,
+    sensitivity=1.0,
+    num_pairs=20,
+    gain=0.3,
+    **changes,
 ):
     """Return the support of an object of this evidence, beside a background of the same."""
-    values = (num_observations, test, num_contour, attached)
+    values = (num_observations, test, num_contour, attached, accompanied)
     evidence = ObjectEvidence(*(np.array([value, value]) for value in values), num_pairs=num_pairs, gain=gain)
     support = support_of_evidence(evidence, PARAMS.model_copy(update=changes), sensitivity, MIN_GAIN)
     assert support.dtype == np.float64 and support[0] == 1
@@ -79,6 +87,15 @@ def test_it_is_asked_whether_an_object_stands_free_where_its_contour_has_tracks(
     assert judge(num_contour=7.9, attached=0.1) == 1
     assert judge(num_contour=30.0, attached=0.75) == 1
     assert judge(num_contour=7.9, attached=0.1, min_contour=7) != 1
+
+
+def test_an_object_without_tracks_around_it_stands_free_where_nothing_is_at_its_depth():
+    few = {"num_contour": 7.9, "attached": 1.0}
+    assert np.isnan(judge(accompanied=0.74, **few))
+    assert judge(accompanied=0.75, **few) == 1
+    assert judge(accompanied=0.0, num_contour=8.0) == 1
+    assert judge(test=0.61, accompanied=0.0, **few) == 0
+    assert judge(PARAMS.min_observations - 1, accompanied=0.0, **few) == 1
 
 
 def test_what_does_not_clearly_move_stays_open_where_only_the_objects_show_depth():
