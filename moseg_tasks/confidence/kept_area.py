@@ -9,15 +9,18 @@ BEFORE = 24
 _SMOOTHED = 5  # frames whose median area counts, so that one frame of a wrong mask does not
 
 
-def kept_area(areas: np.ndarray) -> np.ndarray:
+def kept_area(areas: np.ndarray, growth: np.ndarray | None = None) -> np.ndarray:
     """Return an object's area in each frame over the largest that it had in the frames before.
 
-    An object that stops in part shrinks within a second; one that moves away shrinks slowly.
+    An object that stops in part shrinks within a second. One that goes away shrinks too, but as its flow says: the
+    areas before are compared as large as they would appear now, where that is smaller.
 
     Parameters
     ----------
     areas : integer (F,)
         px; 0 where it is not seen.
+    growth : float64 (F,), optional
+        Logarithm of the area over that in the frame before, by the object's flow; 0 where that is not known.
 
     Returns
     -------
@@ -26,5 +29,13 @@ def kept_area(areas: np.ndarray) -> np.ndarray:
     """
     areas = np.asarray(areas, np.float64)
     usual = median_filter(areas, _SMOOTHED, mode="nearest")
-    largest = sliding_window_view(np.pad(usual, (BEFORE, 0)), BEFORE + 1).max(axis=1)
-    return np.minimum(areas / np.maximum(largest, 1), 1)
+    before = _windows(usual)
+    if growth is not None:
+        grown = np.cumsum(growth)
+        before = before * np.exp(np.minimum(grown[:, None] - _windows(grown), 0))
+    return np.minimum(areas / np.maximum(before.max(axis=1), 1), 1)
+
+
+def _windows(values: np.ndarray) -> np.ndarray:
+    """Return the values of each frame and of those before it, float64 (F, BEFORE + 1); 0 before the first frame."""
+    return sliding_window_view(np.pad(values, (BEFORE, 0)), BEFORE + 1)

@@ -4,6 +4,7 @@ from moseg.tasks.saliency.accumulation import accumulate, memory_weight
 from moseg.tasks.saliency.background import AffineMotion
 from moseg.tasks.saliency.choice import BackgroundChoice, choose_background
 from moseg.tasks.saliency.consistency import flow_consistency
+from moseg.tasks.saliency.flow_growth import flow_growth
 from moseg.tasks.saliency.foreground import foreground_probability
 from moseg.tasks.saliency.frame import FrameSaliency, estimate_saliency
 from moseg.tasks.saliency.logits import motion_logit, probability
@@ -20,6 +21,7 @@ __all__ = [
     "choose_background",
     "estimate_saliency",
     "flow_consistency",
+    "flow_growth",
     "foreground_probability",
     "memory_weight",
     "motion_logit",

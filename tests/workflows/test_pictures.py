@@ -120,6 +120,14 @@ def test_maps_are_carried_from_frame_to_frame():
     assert list(components.inputs["steps"]) == steps
 
 
+def test_objects_grow_by_the_share_of_motion_that_lies_between_frames():
+    graph = _complete("abbbc", sections={"length": 5, "overlap": 1})
+    (moves,) = _written(graph, "moves_now")
+    assert moves.params["previous"] == [1, 1, 0, 0, 1]
+    (plain,) = _written(_complete("abcde", sections={"length": 5, "overlap": 1}), "moves_now")
+    assert "previous" not in plain.params
+
+
 def test_a_video_of_one_picture_is_read_as_before():
     """There is no other picture to see motion by: every frame is compared with the frames beside it."""
     graph = _complete("aaaa")

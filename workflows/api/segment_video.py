@@ -246,6 +246,7 @@ def _describe_objects(
         stored.motions,
         stored.tags,
         moves=stored.moves(store),
+        growths=stored.growths(store),
         confidences=stored.confidences(store),
         given_names=stored.names,
         drawn=stored.drawn,

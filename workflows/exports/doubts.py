@@ -107,17 +107,22 @@ def find_doubts(
 
 
 def _shrinks(each: FollowedObject, size: int, num_frames: int, has_moves: bool, advice: str) -> str | None:
-    """Return the doubt about an object that loses much of its area within a second, inside the frame."""
+    """Return the doubt about an object that loses much of its area within a second, inside the frame.
+
+    What goes away becomes smaller as its flow says, and loses nothing.
+    """
     from moseg.tasks.confidence import kept_area
 
     areas, inside = np.zeros(num_frames, np.int64), np.zeros(num_frames, bool)
     areas[each.frames], inside[each.frames] = each.areas, ~np.array(each.at_border)
-    kept = kept_area(areas)
+    growth = np.zeros(num_frames)
+    growth[each.frames] = each.growth
+    kept = kept_area(areas, growth)
     run = _first_run(np.flatnonzero(inside & (kept < SHRUNK)))
     if run is None:
         return None
     first, last = run
-    before = areas[first] / kept[first] / size
+    before = areas[first] / kept_area(areas)[first] / size
     what = "it may have stopped" if has_moves and first not in each.moving else "a part of it may have stopped"
     told = f"{100 * before:.2g} to {100 * areas[first] / size:.2g} % of the frame"
     return f"loses half its area from frame {first} ({told}): {what}; look at frames {first} to {last}, {advice}"

@@ -19,6 +19,8 @@ class FollowedObject:
         px.
     at_border : list of bool
         Whether it touches the frame's border: a part of it may be outside.
+    growth : list of float
+        Logarithm of its area over that in the frame before, by its flow; 0 where that is not known.
     sure, complete : list of float or None
         Expected precision and recall of its mask; None where it has none, and shorter where that is not known.
     moving : list of int
@@ -29,15 +31,17 @@ class FollowedObject:
     frames: list[int] = field(default_factory=list)
     areas: list[int] = field(default_factory=list)
     at_border: list[bool] = field(default_factory=list)
+    growth: list[float] = field(default_factory=list)
     sure: list[float | None] = field(default_factory=list)
     complete: list[float | None] = field(default_factory=list)
     moving: list[int] = field(default_factory=list)
 
-    def see(self, frame: int, area: int, at_border: bool) -> None:
+    def see(self, frame: int, area: int, at_border: bool, growth: float) -> None:
         """Add a frame that shows the object."""
         self.frames.append(frame)
         self.areas.append(area)
         self.at_border.append(at_border)
+        self.growth.append(growth)
 
     def judge(self, sure: float, complete: float) -> None:
         """Add expected precision and recall of the last frame's mask, NaN where it has none."""

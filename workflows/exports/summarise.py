@@ -24,6 +24,7 @@ def summarise_sequence(
     choices: tuple[StretchChoice, ...] = (),
     moves: Iterable[np.ndarray | None] | None = None,
     confidences: Iterable[tuple[np.ndarray, np.ndarray] | None] | None = None,
+    growths: Iterable[np.ndarray | None] | None = None,
     given_names: Mapping[int, str] | None = None,
     drawn: Container[int] = (),
     advice: Advice = BY_HAND,
@@ -53,6 +54,9 @@ def summarise_sequence(
         Whether each identity moves in each frame: 1 moves, 0 rests, -1 unseen; None where that is not known.
     confidences : iterable of two float64 (identity,) or None, optional
         Expected precision and recall of each identity's mask in each frame; None where they are not known.
+    growths : iterable of float64 (identity,) or None, optional
+        Logarithm of each identity's area over that in the frame before, by its flow, NaN if unknown; None where that is
+        not known of any.
     given_names : mapping of int to str, optional
         Names that the user gave the identities.
     drawn : container of int, optional
@@ -71,14 +75,15 @@ def summarise_sequence(
     has_moves, has_confidence = moves is not None, confidences is not None
     shape, num_frames = None, 0
     # Without them there is None for every frame.
-    moves, confidences = (repeat(None) if each is None else each for each in (moves, confidences))
-    for index, (frame, moves_now, confidence) in enumerate(zip(labels, moves, confidences, strict=False)):
+    known = (repeat(None) if each is None else each for each in (moves, confidences, growths))
+    for index, (frame, moves_now, confidence, growth) in enumerate(zip(labels, *known, strict=False)):
         shape, num_frames = frame.shape, index + 1
         counts = np.bincount(frame.ravel())
         at_border = {*np.unique(np.concatenate([frame[0], frame[-1], frame[:, 0], frame[:, -1]])).tolist()}
         for identity in (np.flatnonzero(counts[1:]) + 1).tolist():
             each = followed.setdefault(identity, FollowedObject(identity))
-            each.see(index, int(counts[identity]), identity in at_border)
+            grown = 0.0 if growth is None else float(np.nan_to_num(growth[identity]))
+            each.see(index, int(counts[identity]), identity in at_border, grown)
             if moves_now is not None and moves_now[identity] == 1:
                 each.moving.append(index)
             if confidence is not None:

@@ -92,12 +92,7 @@ class FrameCues:
 
         Maps are carried along it. That to a repetition is zero, and that to a picture farther away is shared out.
         """
-        saliency, pictures = self.saliency(frame), self.pictures
-        share, beside = 1 / pictures.gap(frame), dict(self._beside(frame))
-        shares = {
-            "previous": 0.0 if pictures.repeats_previous(frame) else share,
-            "next": 0.0 if pictures.repeats_next(frame) else share,
-        }
+        saliency, shares, beside = self.saliency(frame), self.pictures.shares(frame), dict(self._beside(frame))
         if set(shares.values()) == {1.0}:
             return saliency
         return self._nodes.add(

@@ -70,6 +70,11 @@ class JoinedPictures:
         scene, own = self._places.of_frame(frame)
         return scene.frame_cues.pictures.gap(own)
 
+    def shares(self, frame: int) -> dict[str, float]:
+        """Return the shares of a frame's motion that lie between it and the frames right beside it, by side."""
+        scene, own = self._places.of_frame(frame)
+        return scene.frame_cues.pictures.shares(own)
+
     def ends_in(self, start: int, stop: int) -> dict[str, int]:
         """Return which of the frames start..stop, all of one scene, lack a neighbour."""
         scene, first = self._places.of_frame(start)

@@ -95,6 +95,14 @@ class Pictures:
         """Return whether the frame after shows the same picture."""
         return frame < self.frames(self.of(frame)).stop - 1
 
+    def shares(self, frame: int) -> dict[str, float]:
+        """Return the shares of a frame's motion that lie between it and the frames right beside it, by side."""
+        share = 1 / self.gap(frame)
+        return {
+            "previous": 0.0 if self.repeats_previous(frame) else share,
+            "next": 0.0 if self.repeats_next(frame) else share,
+        }
+
     @property
     def followed(self) -> Sequence[int]:
         """Frames that are compared with a picture after them."""

@@ -207,7 +207,11 @@ class SequenceGraph:
                 continue
             saliency = self.foreground.saliency(section.start, section.stop)
             inputs = {"segmentation": labels, **counted, "saliency": saliency}
-            place = self.frame_cues.pictures.ends_in(section.start, section.stop)
+            pictures = self.frame_cues.pictures
+            place: dict = pictures.ends_in(section.start, section.stop)
+            shares = [pictures.shares(frame)["previous"] for frame in range(section.start, section.stop)]
+            if set(shares) != {1.0}:
+                place["previous"] = shares
             refs.append(self._nodes.add("moves_now", inputs, **place))
         return tuple(refs)
 

@@ -145,6 +145,10 @@ class StoredSegmentation(NamedTuple):
         """Yield whether objects move in each frame, int8 (identity,): 1, 0, or -1 if unseen; None if not known."""
         yield from self._by_frame(store, self.moves_refs, "moves")
 
+    def growths(self, store: ArtifactStore) -> Iterator[np.ndarray | None]:
+        """Yield how its flow makes each object grow in each frame, float64 (identity,), NaN if unknown; or None."""
+        yield from self._by_frame(store, self.moves_refs, "growth")
+
     def confidences(self, store: ArtifactStore) -> Iterator[tuple[np.ndarray, np.ndarray] | None]:
         """Yield expected precision and recall of objects in each frame, float64 (identity,), NaN if unseen; or None."""
         sure, complete = (self._by_frame(store, self.confidence_refs, name) for name in ("sure", "complete"))

@@ -89,6 +89,7 @@ def write_segmentation(
         names = None if origin is None else origin.names
         beside = result.choices, result.moves(store), result.confidences(store)
         given = {
+            "growths": result.growths(store),
             "given_names": result.names,
             "drawn": result.drawn,
             "advice": result.advice,

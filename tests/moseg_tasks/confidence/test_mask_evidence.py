@@ -75,3 +75,26 @@ def test_an_area_that_halves_is_half_kept_and_one_frame_does_not_count():
 def test_a_slow_loss_over_seconds_is_kept():
     areas = np.linspace(100, 10, 400)
     assert kept_area(areas)[:300].min() > 0.8
+
+
+def test_what_goes_away_keeps_its_area():
+    """It halves in 10 frames, as its flow says."""
+    growth = np.r_[np.zeros(20), np.full(10, np.log(0.5) / 10), np.zeros(20)]
+    areas = 100 * np.exp(np.cumsum(growth))
+    assert kept_area(areas)[35] == pytest.approx(0.5)
+    np.testing.assert_allclose(kept_area(areas, growth), 1, atol=0.05)
+    half = np.where(np.arange(50) < 35, areas, areas / 2)
+    np.testing.assert_allclose(kept_area(half, growth)[40:], 0.5)
+
+
+def test_what_comes_nearer_loses_nothing_by_that():
+    np.testing.assert_array_equal(kept_area(np.full(50, 100), np.full(50, 0.05)), 1)
+
+
+def test_a_large_area_counts_as_it_would_appear_now():
+    """In the frames before, the largest area is not the one that would be largest now."""
+    growth = np.where(np.arange(40) == 10, np.log(0.25), 0.0)
+    areas = np.where(np.arange(40) < 10, 100.0, 60)
+    assert kept_area(areas, growth)[25] == 1
+    areas[20:] = 30
+    assert kept_area(areas, growth)[25] == pytest.approx(0.5)

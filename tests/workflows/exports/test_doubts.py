@@ -49,6 +49,27 @@ def test_an_object_that_loses_half_its_area_may_have_stopped(rests, what):
     assert what in line and "frames 40 to 59" in line and "paint what is missing" in line
 
 
+def growing(frames=range(40, 44), factor=9 / 20):
+    """Return growths by which an object becomes so many times as large in some frames."""
+    values = np.full((NUM_FRAMES, 6), np.nan)
+    values[list(frames), 1] = np.log(factor) / len(frames)
+    return list(values)
+
+
+def test_an_object_that_goes_away_has_not_stopped():
+    labels = volume([20] * 40 + [17, 14, 11] + [9] * 17)
+    assert look_at(labels, moving(), known(), growths=growing()) == ()
+    assert look_at(labels, moving(), known(), growths=[None] * 30 + growing()[30:]) == ()
+    (line,) = look_at(labels, moving(), known(), growths=[None] * NUM_FRAMES)
+    assert line.startswith("object 1 loses half its area from frame 43 (6.2 to 2.8 % of the frame)")
+
+
+def test_an_object_that_goes_away_and_loses_more_may_have_stopped():
+    labels = volume([20] * 40 + [9] * 12 + [4] * 8)
+    (line,) = look_at(labels, moving(), known(), growths=growing())
+    assert line.startswith("object 1 loses half its area from frame 52 (6.2 to 1.2 % of the frame)")
+
+
 def test_an_object_that_grows_or_leaves_the_frame_has_not_stopped():
     assert look_at(volume([9] * 40 + [20] * 20), moving(), known()) == ()
     leaving = volume([20] * 40 + [9] * 20)
