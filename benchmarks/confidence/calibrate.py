@@ -9,6 +9,7 @@ sequence has the same weight. The printed curve is of values that were predicted
 import argparse
 import json
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from observations import Observation, observe
 from scipy.optimize import minimize
 
 from moseg.schemas.configs import PipelineConfig
+from moseg.schemas.parameters import ConfidenceParams
 from moseg.workflows.datasets import open_dataset
 from moseg.workflows.engine.session import open_session
 
@@ -86,7 +88,7 @@ def predict_apart(cases: Cases) -> np.ndarray:
     for name in np.unique(cases.sequence):
         own = cases.sequence == name
         others = Cases(*(column[~own] for column in cases))
-        expected[own] = 1 / (1 + np.exp(-_features(cases.evidence[own]) @ fit(others)))
+        expected[own] = _curve(cases.evidence[own], fit(others))
     return expected
 
 
@@ -94,11 +96,15 @@ def report(name: str, cases: Cases) -> dict:
     """Print and return the curve, the error and the fit of a figure."""
     offset, slope = fit(cases)
     expected = predict_apart(cases)
+    defaults = ConfidenceParams()
+    by_default = _curve(cases.evidence, [getattr(defaults, f"{name}_{part}") for part in ("offset", "slope")])
+    error_of_defaults = np.average(np.abs(by_default - cases.truth), weights=cases.weight)
     error = np.average(np.abs(expected - cases.truth), weights=cases.weight)
     mean = np.average(cases.truth, weights=cases.weight)
     constant = np.average(np.abs(mean - cases.truth), weights=cases.weight)
     print(f"{name}: offset {offset:.2f}, slope {slope:.2f}; {len(cases.truth)} masks")
     print(f"  mean absolute error {100 * error:.1f} % (always the mean: {100 * constant:.1f} %)")
+    print(f"  of the default parameters: {100 * error_of_defaults:.1f} %")
     order = np.argsort(expected)
     curve = []
     for part in np.array_split(order, BINS):
@@ -106,7 +112,12 @@ def report(name: str, cases: Cases) -> dict:
         curve.append({"expected": 100 * pair[0], "true": 100 * pair[1], "masks": len(part)})
         print(f"  expected {100 * pair[0]:5.1f} %  true {100 * pair[1]:5.1f} %")
     figures = {"offset": offset, "slope": slope, "error": 100 * error, "error_of_mean": 100 * constant}
+    figures["error_of_defaults"] = 100 * error_of_defaults
     return {**figures, "masks": len(cases.truth), "curve": {str(index): each for index, each in enumerate(curve, 1)}}
+
+
+def _curve(evidence: np.ndarray, coefficients: Sequence[float]) -> np.ndarray:
+    return 1 / (1 + np.exp(-_features(evidence) @ coefficients))
 
 
 def _features(evidence: np.ndarray) -> np.ndarray:

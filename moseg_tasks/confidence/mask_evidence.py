@@ -6,6 +6,12 @@ import cv2
 import numpy as np
 
 from moseg.schemas.parameters import ConfidenceParams
+from moseg.tasks.proposals.holes import find_holes
+
+_CERTAIN = 0.5
+"""Probability from which a pixel moves rather than not."""
+_MOST_OPEN = 0.3
+"""Largest share of the outline of an undecided part on one side of the frame."""
 
 
 class MaskEvidence(NamedTuple):
@@ -14,7 +20,8 @@ class MaskEvidence(NamedTuple):
     Attributes
     ----------
     inside : float64 (K,)
-        Mean probability to move of the object's pixels.
+        Mean probability to move of the object's pixels, but for parts in which it is low and which the others surround:
+        there neither motion nor colour says much, as in plain clothes.
     enclosed : float64 (K,)
         Share of the probability in the object and around it that the object covers: 1 if nothing moves around it.
     """
@@ -43,13 +50,24 @@ def mask_evidence(
     """
     counts = np.bincount(labels.ravel(), minlength=num_objects)
     sums = np.bincount(labels.ravel(), foreground.ravel(), num_objects)
+    certain = np.where(foreground >= _CERTAIN, labels, 0)
     evidence = MaskEvidence(*np.full((2, num_objects), np.nan))
     free = np.where(labels == 0, foreground, 0)
     for index in np.flatnonzero(counts[1:]) + 1:
-        around = _sum_around(labels == index, free, params.reach * np.sqrt(counts[index]))
-        evidence.inside[index] = sums[index] / counts[index]
+        mask = labels == index
+        around = _sum_around(mask, free, params.reach * np.sqrt(counts[index]))
+        evidence.inside[index] = foreground[mask & ~_surrounded(certain == index)].mean()
         evidence.enclosed[index] = (sums[index] + params.prior) / (sums[index] + around + params.prior)
     return evidence
+
+
+def _surrounded(certain: np.ndarray) -> np.ndarray:
+    """Return what pixels bool (y, x) surround, but for at most 0.3 of the outline on one side of the frame."""
+    surrounded = np.zeros_like(certain)
+    for hole in find_holes(certain, at_border=True):
+        if hole.opening <= _MOST_OPEN:
+            surrounded[hole.box] |= hole.inside
+    return surrounded
 
 
 def _sum_around(mask: np.ndarray, values: np.ndarray, reach: float) -> float:

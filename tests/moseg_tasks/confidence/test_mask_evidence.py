@@ -40,6 +40,38 @@ def test_another_object_beside_the_mask_is_not_a_part_of_it():
     assert np.isnan(mask_evidence(labels, foreground, 4, PARAMS).inside[3])
 
 
+def inside(where, mask=np.s_[20:40, 30:50], around=0.9):
+    """Return the evidence inside an object of whose pixels some have a probability of 0.1."""
+    labels, foreground = np.zeros(SHAPE, np.uint16), np.zeros(SHAPE, np.float32)
+    labels[mask], foreground[mask] = 1, around
+    foreground[where] = 0.1
+    return mask_evidence(labels, foreground, 2, PARAMS).inside[1]
+
+
+def test_what_moving_parts_surround_is_no_evidence_against_the_mask():
+    """A plain part of an object does not show that it moves."""
+    assert inside(np.s_[25:35, 35:45]) == pytest.approx(0.9)
+    # Half of the mask, at its outline.
+    assert inside(np.s_[30:40, 30:50]) == pytest.approx(0.5)
+    assert inside(np.s_[25:35, 35:45], around=0.45) == pytest.approx(0.45 - 0.35 / 4)
+
+
+def test_a_part_at_one_side_of_the_frame_is_surrounded_if_little_of_it_is_open():
+    bottom = np.s_[40:60, 30:50]
+    assert inside(np.s_[45:60, 35:45], bottom) == pytest.approx(0.9)
+    # 18 of 18 + 2 * 5 + 18 px are open.
+    assert inside(np.s_[55:60, 31:49], bottom) == pytest.approx(0.9 - 0.8 * 90 / 400)
+
+
+def test_another_object_surrounds_no_part_of_a_mask():
+    """The part is at the outline of the mask, and the other object beside it."""
+    labels, foreground = np.zeros(SHAPE, np.uint16), np.full(SHAPE, 0.9, np.float32)
+    labels[10:50, 10:70] = 2
+    labels[20:40, 30:50] = 1
+    foreground[25:35, 30:40] = 0.1
+    assert mask_evidence(labels, foreground, 3, PARAMS).inside[1] == pytest.approx(0.9 - 0.8 / 4)
+
+
 @pytest.mark.parametrize("corner", [np.s_[:5, :5], np.s_[-5:, -5:]])
 def test_an_object_at_the_frames_corner_is_measured_too(corner):
     labels, foreground = np.zeros(SHAPE, np.uint16), np.full(SHAPE, 0.5, np.float32)
