@@ -13,6 +13,9 @@ from moseg.tasks.rigidity.noise import displacement_noise
 from moseg.tasks.rigidity.parallax import split_displacements
 from moseg.tasks.tracks.labels_at import labels_at
 
+_MOST_NOISE = 2.0
+"""Noise of the inverse depth of others, in its median, up to which they have a depth."""
+
 
 class ObjectEvidence(NamedTuple):
     """Evidence about K objects, the background included; its values are not meaningful.
@@ -27,6 +30,8 @@ class ObjectEvidence(NamedTuple):
         Tracks that have one outside the object near them, in the mean over the pairs in which the object has tracks.
     attached : float64 (K,)
         Share of those that may have the inverse depth of a track outside; 1 without any.
+    num_inside : float64 (K,)
+        All tracks in the object, in the mean over the same pairs.
     accompanied : float64 (K,)
         Share of all tracks in the object that may have the inverse depth of `RigidSupportParams.min_contour` tracks
         outside of all objects, wherever those are, that the rigid scene explains; 1 without any.
@@ -42,6 +47,7 @@ class ObjectEvidence(NamedTuple):
     test: np.ndarray
     num_contour: np.ndarray
     attached: np.ndarray
+    num_inside: np.ndarray
     accompanied: np.ndarray
     num_pairs: int
     gain: float
@@ -118,6 +124,7 @@ def measure_objects(
         test=test / np.maximum(num_observations, 1),
         num_contour=num_contour / np.maximum(num_holding, 1),
         attached=np.where(num_contour > 0, num_attached / np.maximum(num_contour, 1), 1.0),
+        num_inside=num_inside / np.maximum(num_holding, 1),
         accompanied=np.where(num_inside > 0, num_accompanied / np.maximum(num_inside, 1), 1.0),
         num_pairs=num_pairs,
         gain=float(np.median(gains)) if gains else 0.0,
@@ -155,9 +162,12 @@ def _compare_depths(points, owner, inside, parallax, noise, params) -> tuple[np.
 def _have_depth_of(others, inside, parallax, noise, params) -> np.ndarray:
     """Return which tracks inside objects may have the inverse depth of `min_contour` or more of some others, bool (M,).
 
-    Those whose inverse depths are nearest are asked, as many above as below.
+    Those whose inverse depths are nearest are asked, as many above as below. Others whose depth hardly shows, as where
+    the camera drives to, may have any; they are not asked.
     """
     inner, outer = np.flatnonzero(inside), np.flatnonzero(others)
+    depth_noise = (noise / parallax.reach)[outer]
+    outer = outer[depth_noise <= _MOST_NOISE * np.median(depth_noise)] if len(outer) else outer
     needed = max(int(np.ceil(params.min_contour)), 1)
     if len(outer) < needed:
         return np.zeros(len(inner), bool)

@@ -15,10 +15,11 @@ def support_of_evidence(
 
     An object that no rigid scene explains moves. What a rigid scene explains is static if it touches other things, at
     their depth, and if it has too few tracks to say: there is no evidence that it moves. But an object that stands free
-    on all sides may as well move parallel to the camera, so it stays open. Before a blurred or plain background, hardly
-    any tracks are near its contour: then it stands free if the scene has nothing at its depth. All objects stay open if
-    the camera's motion was found in no frame pair: they were compared with nothing. So do those that do not clearly
-    move, if nothing but the objects shows depth: one motion before a plane looks like a near part of a rigid scene.
+    on all sides may as well move parallel to the camera, so it stays open. Before a blurred or plain background, few of
+    its tracks have others near them: then it stands free if the scene has nothing at its depth either. All objects stay
+    open if the camera's motion was found in no frame pair: they were compared with nothing. So do those that do not
+    clearly move, if nothing but the objects shows depth: one motion before a plane looks like a near part of a rigid
+    scene.
 
     Parameters
     ----------
@@ -33,8 +34,10 @@ def support_of_evidence(
     is_known = params.step * evidence.num_observations >= params.min_observations / sensitivity
     moves = is_known & (evidence.test > params.max_test / sensitivity)
     shows_depth = evidence.gain >= min_gain
-    beside = np.where(evidence.num_contour >= params.min_contour, evidence.attached, evidence.accompanied)
-    stands_free = is_known & (beside < params.min_attached)
+    has_contour = evidence.num_contour >= params.min_contour
+    touches = np.where(evidence.num_contour > 0, evidence.attached, 0.0)
+    beside = np.where(has_contour, touches, np.maximum(touches, evidence.accompanied))
+    stands_free = is_known & (evidence.num_inside >= params.min_contour) & (beside < params.min_attached)
     support = np.where(moves, 0.0, np.where(stands_free | (not shows_depth), np.nan, 1.0))
     if evidence.num_pairs == 0:
         support[:] = np.nan

@@ -9,6 +9,7 @@ pair of frames takes; a dark, plain leg that crosses the frame does not.
 """
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import cv2
@@ -79,13 +80,14 @@ def compare_patches(
         without their means at the tracked position and at the best rigid one: 0 where a rigid point explains the patch
         as well, 1 where it is worse by as much as the tracked position itself. Of a faint patch that began 4 px or more
         away from every rigid position, m1 is no larger than the difference at the place where it began, to a quarter of
-        a pixel: that in the second frame or the least in `others`, whichever is larger. In the second column m1 is no
-        larger than `params.test_two_surfaces` times the mean of two halves of the patch, each at its best rigid
-        position. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean contrast of the
-        first frame; a faint patch has a contrast below `params.test_still_contrast` times the noise, and below 0.6
-        times the contrast that a tenth of the frame exceeds. Contrast is the standard deviation in a patch.
+        a pixel: that in the second frame or the least in `others`, if there are any, whichever is larger. In the second
+        column m1 is no larger than `params.test_two_surfaces` times the mean of two halves of the patch, each at its
+        best rigid position. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean
+        contrast of the first frame; a faint patch has a contrast below `params.test_still_contrast` times the noise,
+        and below 0.6 times the contrast that a tenth of the frame exceeds. Contrast is the standard deviation in a
+        patch.
     """
-    image0, image1, *others = (image.astype(np.float32) for image in (image0, image1, *others))
+    image0, image1 = image0.astype(np.float32), image1.astype(np.float32)
     size = params.test_half
     offsets = np.arange(-size, size + 1, dtype=np.float32)
     offset_x, offset_y = (axis.ravel() for axis in np.meshgrid(offsets, offsets))
@@ -94,6 +96,11 @@ def compare_patches(
     noise = min(params.test_noise, params.test_contrast * float(contrast.mean()))
     faint = min(params.test_still_contrast * noise, _FAINT * float(np.percentile(contrast, _MARKED)))
     away = _away_from_rigid(points0[rows], parallax, allowed, rows)
+
+    @cache
+    def compared_with() -> list[np.ndarray]:
+        return [image1, *(image.astype(np.float32) for image in others)]
+
     result = np.zeros((len(rows), 2))
     for start in range(0, len(rows), _TOGETHER):
         part = rows[start : start + _TOGETHER]
@@ -109,9 +116,9 @@ def compare_patches(
         if may_be_still.any():
             places = points0[part[may_be_still]][:, None] + _BESIDE
             still, *at_other_times = (
-                differ(places, patches[may_be_still], image)[..., 0].min(axis=1) for image in (image1, *others)
+                differ(places, patches[may_be_still], image)[..., 0].min(axis=1) for image in compared_with()
             )
-            if others:
+            if at_other_times:
                 still = np.maximum(still, np.min(at_other_times, axis=0))
             whole[may_be_still] = np.minimum(whole[may_be_still], still)
         rigid = np.stack([whole, np.minimum(whole, params.test_two_surfaces * np.min(pairs, axis=0))], axis=1)

@@ -19,7 +19,8 @@ def soft_map(
     The floors keep a frame without movers empty. Layers leave a residual above them wherever depth varies, which Otsu's
     threshold of the whole frame suppresses. A rigid background leaves none, and tau follows the nearby residual
     instead: flow is smooth across an object's outline, which lies where the residual falls to a share of its value
-    inside.
+    inside. A background at rest leaves none either: there the lower of both counts, so that a small, slow thing is seen
+    beside a large, fast one.
 
     Parameters
     ----------
@@ -39,11 +40,12 @@ def soft_map(
     smooth = cv2.GaussianBlur(residual, (0, 0), params.residual_blur)
     typical = 0.0 if is_at_rest else typical_residual(residual, params.border_band)
     floor = max(params.floor, params.floor_medians * typical)
-    if not is_rigid:
-        floor = max(floor, _otsu(residual, params.otsu_percentile))
+    whole = np.inf if is_rigid else np.float32(_otsu(residual, params.otsu_percentile))
+    nearby = np.inf
+    if is_rigid or is_at_rest:
+        nearby = params.outline_share * _nearby_peak(smooth, params.outline_reach)
     tau = np.maximum(params.floor_motion * background_speed, np.float32(floor))
-    if is_rigid:
-        np.maximum(tau, params.outline_share * _nearby_peak(smooth, params.outline_reach), out=tau)
+    tau = np.maximum(tau, np.minimum(whole, nearby))
     squared = smooth * smooth
     return squared / (squared + tau * tau)
 

@@ -177,8 +177,8 @@ class RigidityParams(Frozen):
     )
     test_still_frames: Annotated[tuple[PositiveInt, ...], Unit.FRAMES] = Field(
         (3, 5, 7),
-        description="numbers of frames before and after the two frames of a pair, separated by commas, in one of which"
-        " it must look the same there: legs do not",
+        description="numbers of frames before and after the two frames of a pair, separated by commas; in one of those"
+        " that the window has, the place must look the same too, or what is faint is not excused: a leg moves on",
     )
     test_span: Annotated[int, Unit.PIXELS] = Field(
         # The positions of 64 tracks are the rows of that map, of which there are as many at most.

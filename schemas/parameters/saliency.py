@@ -180,7 +180,7 @@ class SaliencyParams(Frozen):
         0.4,
         ge=0,
         lt=1,
-        description="minimal residual of saliency 1/2, as a share of the residual nearby (rigid background only)",
+        description="minimal residual of saliency 1/2, as a share of that nearby (rigid background, or at rest)",
     )
     outline_reach: Annotated[int, Unit.PIXELS] = Field(5, ge=0, description="distance that counts as nearby, px")
 

@@ -1,5 +1,6 @@
 """Objects that rest, hide or are small, from frames to identities, on painted scenes with a moving camera."""
 
+import json
 from typing import NamedTuple
 
 import cv2
@@ -143,3 +144,38 @@ def test_a_small_object_is_found_beside_a_large_one_of_another_motion(tmp_path):
     by_size = sorted(result.objects, key=lambda found: -found.mean_area_fraction)
     for number, found in enumerate(by_size, start=1):
         assert overlap(result.labels == found.identity, labels == number) > 0.8
+
+
+def render_receding(num_frames=36, before=10):
+    """Frames of a disc that goes away before a wall from frame `before` on: it halves its area in eight frames."""
+    rng = np.random.default_rng(3)
+    wall = paint(rng, HEIGHT + 20, WIDTH + 80, ((70, 90, 70), (150, 160, 140)), 2)
+    side = 400
+    skin, centre = paint(rng, side, side, RED, 9), (side - 1) / 2
+    v, u = np.mgrid[:side, :side]
+    disc = (np.hypot(u - centre, v - centre) < centre).astype(np.float32)
+    frames = []
+    for t in range(num_frames):
+        diameter = 90 * 2 ** (-max(t - before, 0) / 16)
+        x, y = 70 + 1.5 * t - diameter / 2, 60 - diameter / 2
+        matrix = np.float32([[diameter / side, 0, x], [0, diameter / side, y]])
+        image = _place(wall, -10 - 0.5 * t, -10)
+        surface = cv2.warpAffine(skin, matrix, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE)
+        image += (surface - image) * cv2.warpAffine(disc, matrix, (WIDTH, HEIGHT))[..., None]
+        frames.append(np.clip(np.rint(image + rng.normal(0, 1, image.shape)), 0, 255).astype(np.uint8))
+    return np.stack(frames)
+
+
+def test_what_goes_away_is_no_doubt(tmp_path, moseg):
+    folder, store = tmp_path / "frames", tmp_path / "store"
+    folder.mkdir()
+    for number, frame in enumerate(render_receding()):
+        cv2.imwrite(str(folder / f"{number:03}.png"), frame[..., ::-1])
+    result = segment_video(folder, store=store)
+    (found,) = result.objects
+    area = found.per_frame.area_fraction
+    assert max(area) / area[-1] > 2.5 and found.num_frames == 36
+    moseg("segment", str(folder), "--store", str(store), "--out", str(tmp_path / "out"))
+    written = json.loads((tmp_path / "out" / "motion.json").read_text())
+    assert list(result.look_at) == written["look_at"]
+    assert not any("loses half its area" in line for line in result.look_at)

@@ -192,6 +192,7 @@ def test_scenes_are_compared_within_themselves():
     assert [whole.frame_cues.pictures.gap(frame) for frame in (15, 16)] == [3, 1]
     shares = [whole.frame_cues.pictures.shares(frame) for frame in (15, 16)]
     assert shares == [{"previous": 1 / 3, "next": 1 / 3}, {"previous": 1, "next": 1}]
+    assert whole.frame_cues.pictures.shares(39) == two.frame_cues.pictures.shares(23)
     assert whole.leaves._replace(gaps=()).joined(whole.leaves.scenes()).gaps == first + second
     assert _leaves(cuts=(16,)).joined(_leaves(cuts=(16,)).scenes()).gaps == ()
 

@@ -164,10 +164,10 @@ def _follow_objects(view: SequenceView, variant: Variant, fps: float, missing: l
             yield labels
 
     name = view.graph.leaves.name
-    moves, growths = (_read_frames(view, view.graph.moves_now(variant), key) for key in ("moves", "growth"))
+    moves = _read_frames(view, view.graph.moves_now(variant), "moves")
     sure, complete = (_read_frames(view, view.graph.confidences(variant), key) for key in ("sure", "complete"))
     confidences = None if sure is None or complete is None else zip(sure, complete, strict=True)
-    known = {"moves": moves, "growths": growths, "confidences": confidences}
+    known = {"moves": moves, "confidences": confidences}
     summary = summarise_sequence(name, read_labels(), fps, found.num_motions, found.motions, found.called, **known)
     colours = all_colours()
     rows = tuple(

@@ -31,7 +31,7 @@ def _params(config: PipelineConfig) -> dict:
     return {"confidence": config.confidence.model_dump(mode="json")}
 
 
-CALIBRATED = Task("confidence", "calibrated", version=2, run=_run, params=_params)
+CALIBRATED = Task("confidence", "calibrated", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="confidence",

@@ -47,7 +47,7 @@ def _params(config: PipelineConfig, start: int, num_frames: int, previous: Seque
     return {**params, "previous": [*previous]} if previous else params
 
 
-BEYOND_NOISE = Task("moves_now", "beyond-noise", version=2, run=_run, params=_params)
+BEYOND_NOISE = Task("moves_now", "beyond-noise", version=3, run=_run, params=_params)
 
 STAGE = Stage(
     name="moves_now",

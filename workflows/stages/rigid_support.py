@@ -78,7 +78,7 @@ def _track_params(config: PipelineConfig, section: int) -> dict:
     return {"section": section}
 
 
-BY_MASKS = Task("rigid_support", "masks", version=6, run=_run_masks, params=_mask_params)
+BY_MASKS = Task("rigid_support", "masks", version=7, run=_run_masks, params=_mask_params)
 BY_TRACKS = Task("rigid_support", "tracks", version=1, run=_run_tracks, params=_track_params)
 
 STAGE = Stage(

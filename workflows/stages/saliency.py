@@ -67,7 +67,7 @@ def _steps_params(config: PipelineConfig, previous: float, next: float, given: l
 
 
 BACKGROUND_RESIDUAL = Task(
-    "saliency", "background-residual", version=8, run=_run, params=_params, is_cheap=True, is_cue=True
+    "saliency", "background-residual", version=9, run=_run, params=_params, is_cheap=True, is_cue=True
 )
 STEPS = Task("saliency", "steps", version=1, run=_run_steps, params=_steps_params, is_cheap=True, is_cue=True)
 

@@ -40,20 +40,34 @@ def test_another_object_beside_the_mask_is_not_a_part_of_it():
     assert np.isnan(mask_evidence(labels, foreground, 4, PARAMS).inside[3])
 
 
-def inside(where, mask=np.s_[20:40, 30:50], around=0.9):
-    """Return the evidence inside an object of whose pixels some have a probability of 0.1."""
+def inside(where, mask=np.s_[20:40, 30:50], around=0.9, low=0.1):
+    """Return the evidence inside an object of whose pixels some have a low probability."""
     labels, foreground = np.zeros(SHAPE, np.uint16), np.zeros(SHAPE, np.float32)
     labels[mask], foreground[mask] = 1, around
-    foreground[where] = 0.1
+    foreground[where] = low
     return mask_evidence(labels, foreground, 2, PARAMS).inside[1]
 
 
 def test_what_moving_parts_surround_is_no_evidence_against_the_mask():
     """A plain part of an object does not show that it moves."""
     assert inside(np.s_[25:35, 35:45]) == pytest.approx(0.9)
+    # Two parts, the boxes of which overlap.
+    parts = np.zeros(SHAPE, bool)
+    parts[24:30, 34:46] = parts[26:36, 34:38] = parts[33:36, 40:46] = True
+    assert inside(parts) == pytest.approx(0.9)
     # Half of the mask, at its outline.
     assert inside(np.s_[30:40, 30:50]) == pytest.approx(0.5)
     assert inside(np.s_[25:35, 35:45], around=0.45) == pytest.approx(0.45 - 0.35 / 4)
+    assert inside(np.s_[25:35, 35:45], around=0.55) == pytest.approx(0.55)
+
+
+def test_a_part_that_does_not_move_at_all_is_evidence():
+    assert inside(np.s_[25:35, 35:45], low=0.05) == pytest.approx(0.9 - 0.85 / 4)
+    assert inside(np.s_[25:35, 35:45], low=0.07) == pytest.approx(0.9)
+
+
+def test_a_thin_outline_does_not_speak_for_a_mask():
+    assert inside(np.s_[21:39, 31:49]) == pytest.approx(0.9 - 0.8 * 324 / 400)
 
 
 def test_a_part_at_one_side_of_the_frame_is_surrounded_if_little_of_it_is_open():

@@ -29,6 +29,7 @@ def judge(
     test=0.0,
     num_contour=30.0,
     attached=1.0,
+    num_inside=30.0,
     accompanied=1.0,
     sensitivity=1.0,
     num_pairs=20,
@@ -36,7 +37,7 @@ def judge(
     **changes,
 ):
     """Return the support of an object of this evidence, beside a background of the same."""
-    values = (num_observations, test, num_contour, attached, accompanied)
+    values = (num_observations, test, num_contour, attached, num_inside, accompanied)
     evidence = ObjectEvidence(*(np.array([value, value]) for value in values), num_pairs=num_pairs, gain=gain)
     support = support_of_evidence(evidence, PARAMS.model_copy(update=changes), sensitivity, MIN_GAIN)
     assert support.dtype == np.float64 and support[0] == 1
@@ -90,12 +91,27 @@ def test_it_is_asked_whether_an_object_stands_free_where_its_contour_has_tracks(
 
 
 def test_an_object_without_tracks_around_it_stands_free_where_nothing_is_at_its_depth():
-    few = {"num_contour": 7.9, "attached": 1.0}
-    assert np.isnan(judge(accompanied=0.74, **few))
-    assert judge(accompanied=0.75, **few) == 1
-    assert judge(accompanied=0.0, num_contour=8.0) == 1
-    assert judge(test=0.61, accompanied=0.0, **few) == 0
-    assert judge(PARAMS.min_observations - 1, accompanied=0.0, **few) == 1
+    nothing_around = {"num_contour": 0.0, "attached": 1.0}
+    assert np.isnan(judge(accompanied=0.74, **nothing_around))
+    assert judge(accompanied=0.75, **nothing_around) == 1
+    assert judge(test=0.61, accompanied=0.0, **nothing_around) == 0
+    assert judge(PARAMS.min_observations - 1, accompanied=0.0, **nothing_around) == 1
+
+
+def test_an_object_with_a_few_tracks_around_it_stands_free_where_neither_they_nor_others_are_at_its_depth():
+    assert np.isnan(judge(num_contour=7.9, attached=0.74, accompanied=0.74))
+    assert judge(num_contour=7.9, attached=0.75, accompanied=0.0) == 1
+    assert judge(num_contour=7.9, attached=0.0, accompanied=0.75) == 1
+    assert judge(num_contour=8.0, accompanied=0.0) == 1
+    assert np.isnan(judge(num_contour=8.0, attached=0.0, accompanied=1.0))
+
+
+def test_an_object_of_few_tracks_does_not_stand_free():
+    """The depth of a track or two says little, and observations of many pairs are those of few tracks."""
+    alone = {"num_contour": 0.0, "accompanied": 0.0}
+    assert judge(num_inside=7.9, **alone) == 1
+    assert np.isnan(judge(num_inside=8.0, **alone))
+    assert judge(num_inside=50.0, min_contour=100.0, **alone) == 1
 
 
 def test_what_does_not_clearly_move_stays_open_where_only_the_objects_show_depth():

@@ -1,6 +1,7 @@
 """Tracks of rendered drives: what moves deviates from a rigid scene, and what stands does not."""
 
 from functools import cache
+from importlib import import_module
 
 import cv2
 import numpy as np
@@ -178,3 +179,17 @@ def test_what_stands_still_is_sought_in_frames_before_and_after_the_pair(monkeyp
     estimate_rigidity(rendered.images, *tracks, RigidityParams(gaps=(2,), test_still_frames=apart))
     assert {start: found[start] for start in beyond} == beyond
     assert sorted(found) == [0, 1, 2, 3]
+
+
+def test_the_frames_around_a_pair_reach_the_patch_test(monkeypatch):
+    module, found = import_module("moseg.tasks.rigidity.evidence"), []
+    compare = module.compare_patches
+
+    def record(*args):
+        found.append(args[-1])
+        return compare(*args)
+
+    rendered, tracks, _ = drive("crossing")
+    monkeypatch.setattr(module, "compare_patches", record)
+    estimate_rigidity(rendered.images, *tracks, RigidityParams(gaps=(2,), test_still_frames=(1,)))
+    assert [len(others) for others in found] == [1, 2, 2, 1]

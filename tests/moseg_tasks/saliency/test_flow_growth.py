@@ -32,6 +32,22 @@ def test_growth_is_no_more_than_fourfold():
     np.testing.assert_allclose(flow_growth(LABELS, flow_to_previous(9, 0.1), 3)[1:], [np.log(4), -np.log(4)])
 
 
+def stretched(slope_x, slope_y):
+    """Return the flow to the previous frame in which the first object is stretched along x and y."""
+    y, x = np.mgrid[: SHAPE[0], : SHAPE[1]].astype(np.float32)
+    return np.stack([slope_x * (x - 25), slope_y * (y - 20)], axis=-1)
+
+
+@pytest.mark.parametrize(("slopes", "growth"), [((0.2, 0), 1), ((0.2, -0.1), 1), ((0.2, 0.1), 1 / 1.1**2)])
+def test_what_both_axes_agree_on_is_growth(slopes, growth):
+    """Parts that move towards each other make nothing smaller: one of them may have stopped."""
+    assert flow_growth(LABELS, stretched(*slopes), 3)[1] == pytest.approx(np.log(growth), abs=1e-4)
+
+
+def test_a_flow_that_folds_over_says_nothing():
+    assert np.isnan(flow_growth(LABELS, stretched(-1.5, 0.1), 3)[1])
+
+
 def test_it_is_unknown_without_flow_and_for_a_few_pixels():
     assert np.isnan(flow_growth(LABELS, None, 3)).all()
     labels = np.zeros(SHAPE, np.uint16)

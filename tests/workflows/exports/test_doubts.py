@@ -64,6 +64,12 @@ def test_an_object_that_goes_away_has_not_stopped():
     assert line.startswith("object 1 loses half its area from frame 43 (6.2 to 2.8 % of the frame)")
 
 
+def test_growth_is_that_of_the_frames_in_which_an_object_is_seen():
+    labels = volume([20] * 40 + [17, 14, 11] + [9] * 17)
+    labels[:10] = 0
+    assert look_at(labels, moving(), known(), growths=growing()) == ()
+
+
 def test_an_object_that_goes_away_and_loses_more_may_have_stopped():
     labels = volume([20] * 40 + [9] * 12 + [4] * 8)
     (line,) = look_at(labels, moving(), known(), growths=growing())
