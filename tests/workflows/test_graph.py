@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "c24344eeb86b45e2",
-    "oc-depth": "c6d1bf9f82016f1d",
-    "oc": "7d26a78494a9661f",
-    "trajs": "ec5e7d68b5a5c626",
-    "base": "3c37e7b6c25c43d7",
+    "fused": "381486d03d2c2eb6",
+    "oc-depth": "246841ab6d104121",
+    "oc": "c38fbb740e0bc775",
+    "trajs": "1b79ec09ad676432",
+    "base": "7f0ec28b4e68461b",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "7d2bbd5544e990e2",
+    "tracks": "c5fe07d047f73188",
 }
 
 
