@@ -1,10 +1,12 @@
 """Evidence of the tracks in an object's masks, of a wall and an object that a camera passes."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from moseg.schemas.parameters import RigidityParams, RigidSupportParams, SceneParallaxParams
-from moseg.tasks.rigid_support import measure_objects
+from moseg.tasks.rigid_support import measure_objects, object_evidence
 
 PARAMS, SCENE, RIGIDITY = RigidSupportParams(), SceneParallaxParams(), RigidityParams()
 NEAR = 25.0
@@ -98,6 +100,32 @@ def test_other_objects_give_no_company(passage):
     scene = alone(passage())
     everything = np.where(scene.labels == 1, 1, 2).astype(np.uint16)
     assert measure(scene._replace(labels=everything), 4).accompanied.tolist() == [1, 0, 0, 1]
+
+
+def test_what_is_in_an_object_in_the_second_frame_gives_no_company(passage):
+    scene = alone(passage())
+    labels = scene.labels.copy()
+    labels[1:][labels[1:] == 0] = 2
+    assert measure(scene, 3).accompanied[1] == 1
+    assert measure(scene._replace(labels=labels), 3).accompanied[1] == 0
+
+
+def test_others_whose_depth_hardly_shows_give_no_company():
+    """As where the camera drives to: they may have any depth."""
+    inside = np.arange(60) < 10
+    depth = np.where(inside, 0.1, np.linspace(0.01, 0.02, 60))
+    depth[-20:] = np.linspace(0.09, 0.11, 20)
+    for reach, is_accompanied in ((100.0, True), (1.0, False)):
+        parallax = SimpleNamespace(inverse_depth=depth, reach=np.where(np.arange(60) < 40, 100.0, reach))
+        found = object_evidence._have_depth_of(~inside, inside, parallax, np.full(60, 0.5), PARAMS)
+        assert found.tolist() == [is_accompanied] * 10
+
+
+def test_tracks_inside_are_counted_in_the_mean_over_the_widest_pairs(passage):
+    scene = passage()
+    widest = scene.pairs[scene.pairs[:, 1] == 4]
+    seen = [(scene.visible[:, [first, first + gap]].all(axis=1) & scene.is_object).sum() for first, gap in widest]
+    assert len(widest) > 1 and measure(scene).num_inside[1] == pytest.approx(np.mean(seen))
 
 
 def test_depths_are_compared_over_the_widest_pairs(passage):
