@@ -51,19 +51,17 @@ def render(sprites, num_frames, camera=0.5):
     return np.stack(frames), np.stack(labels)
 
 
-def render_approach(num_frames=52, near=20):
-    """Frames and labels of a disc that comes near, fills the frame for more than twelve frames, and leaves again."""
+def render_disc(num_frames, diameter, x, blur):
+    """Frames and labels of a disc of a diameter, whose centre is at x, both functions of the frame, before a wall."""
     rng = np.random.default_rng(3)
     wall = paint(rng, HEIGHT + 20, WIDTH + 80, ((70, 90, 70), (150, 160, 140)), 2)
     side = 400
-    skin, centre = paint(rng, side, side, RED, 6), (side - 1) / 2
+    skin, centre = paint(rng, side, side, RED, blur), (side - 1) / 2
     v, u = np.mgrid[:side, :side]
     disc = (np.hypot(u - centre, v - centre) < centre).astype(np.float32)
     frames, labels = [], []
     for t in range(num_frames):
-        diameter = 40 * np.exp(0.1 * min(t, near, num_frames - 1 - t))
-        drift = 1.5 * min(max(t - near, 0), num_frames - 2 * near - 1)
-        scale, corner = diameter / side, (92 + drift - diameter / 2, 60 - diameter / 2)
+        scale, corner = diameter(t) / side, (x(t) - diameter(t) / 2, 60 - diameter(t) / 2)
         matrix = np.float32([[scale, 0, corner[0]], [0, scale, corner[1]]])
         cover = cv2.warpAffine(disc, matrix, (WIDTH, HEIGHT))
         surface = cv2.warpAffine(skin, matrix, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE)
@@ -72,6 +70,18 @@ def render_approach(num_frames=52, near=20):
         frames.append(np.clip(np.rint(image + rng.normal(0, 1, image.shape)), 0, 255).astype(np.uint8))
         labels.append((cover > 0.5).astype(np.uint8))
     return np.stack(frames), np.stack(labels)
+
+
+def render_approach(num_frames=52, near=20):
+    """Frames and labels of a disc that comes near, fills the frame for more than twelve frames, and leaves again."""
+
+    def diameter(t):
+        return 40 * np.exp(0.1 * min(t, near, num_frames - 1 - t))
+
+    def x(t):
+        return 92 + 1.5 * min(max(t - near, 0), num_frames - 2 * near - 1)
+
+    return render_disc(num_frames, diameter, x, blur=6)
 
 
 def _place(picture, x, y, border=cv2.BORDER_CONSTANT):
@@ -146,30 +156,12 @@ def test_a_small_object_is_found_beside_a_large_one_of_another_motion(tmp_path):
         assert overlap(result.labels == found.identity, labels == number) > 0.8
 
 
-def render_receding(num_frames=36, before=10):
-    """Frames of a disc that goes away before a wall from frame `before` on: it halves its area in eight frames."""
-    rng = np.random.default_rng(3)
-    wall = paint(rng, HEIGHT + 20, WIDTH + 80, ((70, 90, 70), (150, 160, 140)), 2)
-    side = 400
-    skin, centre = paint(rng, side, side, RED, 9), (side - 1) / 2
-    v, u = np.mgrid[:side, :side]
-    disc = (np.hypot(u - centre, v - centre) < centre).astype(np.float32)
-    frames = []
-    for t in range(num_frames):
-        diameter = 90 * 2 ** (-max(t - before, 0) / 16)
-        x, y = 70 + 1.5 * t - diameter / 2, 60 - diameter / 2
-        matrix = np.float32([[diameter / side, 0, x], [0, diameter / side, y]])
-        image = _place(wall, -10 - 0.5 * t, -10)
-        surface = cv2.warpAffine(skin, matrix, (WIDTH, HEIGHT), borderMode=cv2.BORDER_REPLICATE)
-        image += (surface - image) * cv2.warpAffine(disc, matrix, (WIDTH, HEIGHT))[..., None]
-        frames.append(np.clip(np.rint(image + rng.normal(0, 1, image.shape)), 0, 255).astype(np.uint8))
-    return np.stack(frames)
-
-
 def test_what_goes_away_is_no_doubt(tmp_path, moseg):
     folder, store = tmp_path / "frames", tmp_path / "store"
     folder.mkdir()
-    for number, frame in enumerate(render_receding()):
+    # From frame 10 on, it halves its area in eight frames.
+    frames, _ = render_disc(36, lambda t: 90 * 2 ** (-max(t - 10, 0) / 16), lambda t: 70 + 1.5 * t, blur=9)
+    for number, frame in enumerate(frames):
         cv2.imwrite(str(folder / f"{number:03}.png"), frame[..., ::-1])
     result = segment_video(folder, store=store)
     (found,) = result.objects
