@@ -98,10 +98,11 @@ def fill_holes(
     -------
     labels : uint16 (T, h, w)
         A hole is part of the object if nothing else is around it but one side of the frame, at at most `hole_border` of
-        its outline; if the colour error that the background's motion leaves there is at most `hole_error`; and if its
-        probability is at least `hole_probability` where colours 2 px apart differ by `hole_roughness` or more,
-        `hole_plain_share` of that where they are the same, and in proportion between. With a `hole_probability` of 1,
-        or a single frame, nothing is filled.
+        its outline; if its probability is at least `hole_probability` where colours 2 px apart differ by
+        `hole_roughness` or more, `hole_plain_share` of that where they are the same, and in proportion between; and if
+        the colour error that the background's motion leaves there is at most `hole_error` from half of
+        `hole_roughness` on, and more in proportion where it is plainer: in a plain hole, a background that is seen
+        through it leaves none. With a `hole_probability` of 1, or a single frame, nothing is filled.
     """
     filled = labels.copy()
     if params.hole_probability == 1 or len(labels) == 1:
@@ -122,7 +123,8 @@ def fill_holes(
         evenness = max(1 - roughness / params.hole_roughness, 0) if roughness >= 0 else 0
         if moves < params.hole_probability * (1 - (1 - params.hole_plain_share) * evenness):
             continue
-        if _usual(group, lambda t, hole: float(errors(t)[hole.box][hole.inside].mean())) <= params.hole_error:
+        error = _usual(group, lambda t, hole: float(errors(t)[hole.box][hole.inside].mean()))
+        if error * min(2 * (1 - evenness), 1) <= params.hole_error:
             for t, hole in group:
                 filled[t][hole.box][hole.inside] = hole.label
     return filled

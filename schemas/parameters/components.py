@@ -52,7 +52,10 @@ class ComponentParams(Frozen):
         7.0, gt=0, description="mean difference of a hole's colours 2 px apart from which it is not plain, grey levels"
     )
     hole_error: Annotated[float, Unit.GREY_LEVELS] = Field(
-        10.0, ge=0, description="colour error that the background's motion leaves in a hole, at most, grey levels"
+        10.0,
+        ge=0,
+        description="colour error that the background's motion leaves in a hole, at most, grey levels; more, in "
+        "proportion, in a hole of less than half that roughness",
     )
     hole_border: Annotated[float, Unit.SHARE] = Field(
         0.3,

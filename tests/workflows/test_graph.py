@@ -24,13 +24,13 @@ BEHIND = TRAJS | FLOW_MODEL | {"affinity"} | END
 
 
 GOLDEN = {
-    "fused": "381486d03d2c2eb6",
-    "oc-depth": "246841ab6d104121",
-    "oc": "c38fbb740e0bc775",
-    "trajs": "1b79ec09ad676432",
-    "base": "7f0ec28b4e68461b",
+    "fused": "2428fd47f359a850",
+    "oc-depth": "0d1e2eb6f204f897",
+    "oc": "509936e502176427",
+    "trajs": "f2fb4fbaf3572340",
+    "base": "338b46b735c34f19",
     "flow": "b5a20f003bb5ae5e",
-    "tracks": "c5fe07d047f73188",
+    "tracks": "64cc82214ba35683",
 }
 
 

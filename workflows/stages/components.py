@@ -62,7 +62,7 @@ def _params(config: PipelineConfig, num_frames: int, gap: int) -> dict:
     }
 
 
-SPACE_TIME = Task("components", "space-time", version=6, run=_run, params=_params)
+SPACE_TIME = Task("components", "space-time", version=7, run=_run, params=_params)
 
 STAGE = Stage(
     name="components",

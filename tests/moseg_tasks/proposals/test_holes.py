@@ -72,6 +72,15 @@ def _set_probability(scene, probability, frames=range(FRAMES)):
         scene["foreground"][(t, *_at(HOLE, t))] = probability
 
 
+def _set_pattern(scene, roughness):
+    """Show in the hole and around it a pattern that stands still, whose colours 2 px apart differ by `roughness`."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    pattern = (np.array(PLAIN) + roughness * ((x // 2 + y // 2) % 2)[..., None]).astype(np.uint8)
+    for t in range(FRAMES):
+        around = _at(np.s_[12:28, 19:43], t)
+        scene["images"][(t, *around)] = pattern[around]
+
+
 @pytest.mark.parametrize(("probability", "is_filled"), [(0.05, False), (0.06, False), (0.065, True), (0.45, True)])
 def test_a_hole_of_low_probability_shows_the_background(scene, probability, is_filled):
     """This hole has a single colour, so that a quarter of 0.25 suffices."""
@@ -82,11 +91,7 @@ def test_a_hole_of_low_probability_shows_the_background(scene, probability, is_f
 @pytest.mark.parametrize(("roughness", "needed"), [(1, 0.25 * 2.5 / 7), (4, 0.25 * 4.75 / 7), (7, 0.25), (20, 0.25)])
 def test_the_plainer_a_hole_the_lower_a_probability_suffices(scene, roughness, needed):
     """Colours 2 px apart differ by `roughness` in each direction, and what is seen in the hole stands still."""
-    y, x = np.mgrid[:HEIGHT, :WIDTH]
-    pattern = (np.array(PLAIN) + roughness * ((x // 2 + y // 2) % 2)[..., None]).astype(np.uint8)
-    for t in range(FRAMES):
-        around = _at(np.s_[12:28, 19:43], t)
-        scene["images"][(t, *around)] = pattern[around]
+    _set_pattern(scene, roughness)
     for probability, is_filled in ((needed - 0.01, False), (needed + 0.01, True)):
         _set_probability(scene, probability)
         assert _filled_frames(scene, hole_error=255) == [is_filled] * FRAMES
@@ -118,7 +123,19 @@ def test_what_is_too_small_to_be_plain_needs_the_whole_probability(scene):
         assert bool(_fill(scene)[:, 20, 20].all()) == is_filled
 
 
+@pytest.mark.parametrize(
+    ("roughness", "error", "is_filled"),
+    [(0, 40, True), (1, 34, True), (1, 37, False), (2, 17, True), (2, 18, False), (4, 9, True), (4, 11, False)],
+)
+def test_the_plainer_a_hole_the_larger_an_error_says_nothing(scene, roughness, error, is_filled):
+    """From half of `hole_roughness` on the limit is 10 grey levels; with a roughness of 1 it is 35, with 2 it is 17.5."""
+    _set_pattern(scene, roughness)
+    scene["images"][1] += np.uint8(error)
+    assert _filled_frames(scene) == [is_filled] * FRAMES
+
+
 def test_an_error_of_none_fills_only_what_the_background_explains_exactly(scene):
+    _set_pattern(scene, 4)
     assert _filled_frames(scene, hole_error=0) == [True] * FRAMES
     scene["images"][1] += 1
     assert _filled_frames(scene, hole_error=0) == [False] * FRAMES
