@@ -128,7 +128,7 @@ def test_what_is_too_small_to_be_plain_needs_the_whole_probability(scene):
     [(0, 40, True), (1, 34, True), (1, 37, False), (2, 17, True), (2, 18, False), (4, 9, True), (4, 11, False)],
 )
 def test_the_plainer_a_hole_the_larger_an_error_says_nothing(scene, roughness, error, is_filled):
-    """From half of `hole_roughness` on the limit is 10 grey levels; with a roughness of 1 it is 35, with 2 it is 17.5."""
+    """From half of `hole_roughness` on the limit is 10 grey levels; it is 35 with a roughness of 1, 17.5 with 2."""
     _set_pattern(scene, roughness)
     scene["images"][1] += np.uint8(error)
     assert _filled_frames(scene) == [is_filled] * FRAMES
