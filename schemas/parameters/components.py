@@ -54,8 +54,8 @@ class ComponentParams(Frozen):
     hole_error: Annotated[float, Unit.GREY_LEVELS] = Field(
         10.0,
         ge=0,
-        description="colour error that the background's motion leaves in a hole, at most, grey levels; more, in "
-        "proportion, in a hole of less than half that roughness",
+        description="colour error that the background's motion leaves in a hole, at most; more, in proportion, where "
+        "the hole is less than half as rough as hole_roughness, grey levels",
     )
     hole_border: Annotated[float, Unit.SHARE] = Field(
         0.3,
