@@ -9,9 +9,8 @@ from moseg.tasks.rigidity.contact import contact_excess
 from moseg.tasks.rigidity.given_depth import DepthBounds
 from moseg.tasks.rigidity.ground import Ground
 from moseg.tasks.rigidity.parallax import Parallax
-from moseg.tasks.rigidity.patch_test import AllowedParallax
+from moseg.tasks.rigidity.patch_test import UNBOUNDED, AllowedParallax
 
-_ANY = 1e4  # px; a parallax that no track has
 _ALLOWED = 1.5  # shares of noise of the ground's or the given depth within which a point may still be static
 _ROUNDING = 1.0, 0.5  # px; added to the least and largest parallax of a static point
 
@@ -59,7 +58,7 @@ def deviation_from_ground(
     """
     behind_infinity = np.maximum(-parallax.along, 0)
     if ground is None:
-        nothing, anything = np.zeros(len(points)), np.full(len(points), _ANY)
+        nothing, anything = np.zeros(len(points)), np.full(len(points), UNBOUNDED)
         return Deviation(behind_infinity, noise, nothing, AllowedParallax(nothing, anything))
     on_ground = parallax.at(np.maximum(ground.inverse_depth(points), 0))
     too_far = np.maximum(behind_infinity, on_ground - parallax.along)
@@ -68,7 +67,7 @@ def deviation_from_ground(
     too_near, height = contact_excess(points, parallax, ground, shape, noise, params)
     # A static surface with its foot as far above the ground as needs no motion.
     standing = parallax.inverse_depth * (1 - height) / (1 - params.contact_lift)
-    largest = np.where(too_near > 0, parallax.at(standing) + _ROUNDING[1], _ANY)
+    largest = np.where(too_near > 0, parallax.at(standing) + _ROUNDING[1], UNBOUNDED)
     return Deviation(too_far, far_noise, too_near, AllowedParallax(least, largest))
 
 
@@ -88,8 +87,9 @@ def deviation_from_depth(
     params : RigidityParams
     """
     is_known = np.isfinite(bounds.nearest)
-    farthest, nearest = (np.minimum(parallax.at(np.where(is_known, np.maximum(each, 0), 0)), _ANY) for each in bounds)
-    nearest = np.where(is_known, nearest, _ANY)
+    parallaxes = (parallax.at(np.where(is_known, np.maximum(each, 0), 0)) for each in bounds)
+    farthest, nearest = (np.minimum(each, UNBOUNDED) for each in parallaxes)
+    nearest = np.where(is_known, nearest, UNBOUNDED)
     too_far = np.maximum(farthest - parallax.along, 0)
     far_noise = np.hypot(noise, params.depth_noise * farthest)
     too_near = np.maximum(parallax.along - nearest, 0) / np.hypot(noise, params.depth_noise * nearest)

@@ -3,9 +3,9 @@
 A tracker slips along edges and on bare road. Such a track deviates from every rigid point, but the patch at a rigid
 position looks just as much like the one it started from, so that nothing speaks for a motion. Where a near surface
 crosses a far one, as a pole before a meadow, a corner of both moves like neither: there each half of the patch may have
-a rigid position of its own. And what is faint and stands still in the picture may be no thing of the scene at all, but
-a reflection in the windscreen, or bare road of which a codec repeats what it showed before. Both stay for longer than a
-pair of frames takes; a dark, plain leg that crosses the frame does not.
+a rigid position of its own, one of them perhaps far behind the other. And what is faint and stands still in the picture
+may be no thing of the scene at all, but a reflection in the windscreen, or bare road of which a codec repeats what it
+showed before. Both stay for longer than a pair of frames takes; a dark, plain leg that crosses the frame does not.
 """
 
 from collections.abc import Sequence
@@ -28,12 +28,15 @@ _MARKED, _FAINT = 90, 0.6
 """Percentile of the contrasts of a frame, and the share of it that what is faint has at most."""
 _AWAY = 4
 """Least distance of a place that stands still in the picture from all rigid positions, px."""
+UNBOUNDED = 1e4
+"""A parallax that no track has, px: the largest of a rigid point that may be as near as it likes."""
 _TOGETHER = 64
 """Tracks whose patches are compared at a time: they fit into the processor's cache."""
 
 
 class AllowedParallax(NamedTuple):
-    """Least and largest parallax of a rigid point for each of N tracks, float64 (N,), px."""
+    """Least and largest parallax of a rigid point for each of N tracks, float64 (N,), px; `UNBOUNDED` if it is known
+    of nothing that it is too near."""
 
     least: np.ndarray
     largest: np.ndarray
@@ -82,7 +85,8 @@ def compare_patches(
         away from every rigid position, m1 is no larger than the difference at the place where it began, to a quarter of
         a pixel: that in the second frame or the least in `others`, if there are any, whichever is larger. In the second
         column m1 is no larger than `params.test_two_surfaces` times the mean of two halves of the patch, each at its
-        best rigid position. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean
+        best rigid position, which may also be one of `params.test_behind` between the farthest static point and the
+        track if that is unbounded. The noise is `params.test_noise`, but at most `params.test_contrast` times the mean
         contrast of the first frame; a faint patch has a contrast below `params.test_still_contrast` times the noise,
         and below 0.6 times the contrast that a tenth of the frame exceeds. Contrast is the standard deviation in a
         patch.
@@ -152,7 +156,25 @@ def _best_rigid(differ, parallax: Parallax, allowed: AllowedParallax, rows, para
         difference = differ((on_line[:, :, None] + beside[:, None] * aside[:, None]).reshape(len(rows), -1, 2))
         best = steps[track, difference[..., 0].argmin(axis=1) // len(beside)][:, None]
         least = np.minimum(least, difference.min(axis=1))
+    free = np.flatnonzero(allowed.largest[rows] >= UNBOUNDED)
+    if params.test_behind and len(free):
+        steps = _behind(parallax, allowed, rows, params)
+        behind = differ(base + steps[..., None] * towards).min(axis=1)
+        least[free, 1:] = np.minimum(least[free, 1:], behind[free, 1:])
     return least
+
+
+def _behind(parallax: Parallax, allowed: AllowedParallax, rows: np.ndarray, params: RigidityParams) -> np.ndarray:
+    """Return parallaxes (M, K) from that of the farthest static point to those near the track, px.
+
+    One after the other at whole pixels first, then in equal steps: what is behind a near thing mostly is the ground.
+    """
+    fine = params.test_behind // 2
+    farthest = allowed.least[rows, None]
+    far = np.maximum(parallax.along[rows, None] - params.test_span - farthest - fine, 0)
+    steps = np.arange(1, params.test_behind - fine + 1) / (params.test_behind - fine)
+    near = np.tile(np.arange(fine), (len(rows), 1))
+    return allowed.clip(farthest + np.concatenate([near, fine + far * steps], axis=1), rows)
 
 
 def _contrast(image: np.ndarray, side: int) -> np.ndarray:

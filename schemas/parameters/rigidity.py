@@ -208,6 +208,15 @@ class RigidityParams(Frozen):
         description="factor on the difference of a patch whose halves have two rigid positions, because two fit by"
         " chance more easily than one",
     )
+    test_behind: Annotated[int, Unit.COUNT] = Field(
+        # They too are rows of that map.
+        24,
+        ge=0,
+        le=500,
+        description="number of positions between the farthest static point and the track at which one of these halves"
+        " may lie too, unless something tells that the track is too near: a near pole covers what is far behind it; 0:"
+        " none",
+    )
     test_roundness: Annotated[float, Unit.RATIO] = Field(
         0.005,
         ge=0,

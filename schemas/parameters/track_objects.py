@@ -273,7 +273,7 @@ class TrackObjectParams(Frozen):
         " its patches than the tracked one",
     )
     min_static_test: Annotated[float, Unit.RATIO] = Field(
-        0.6,
+        0.5,
         ge=-1,
         le=3,
         description="smallest mean strict test of a part that was cut from a candidate because it seems to move as the"

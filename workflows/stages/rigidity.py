@@ -98,7 +98,7 @@ def _params(config: PipelineConfig, step: int = 1, gap: int = 1, bars: BlackBars
     return params if step == 1 else {**params, "step": step}
 
 
-EPIPOLAR = Task("rigidity", "epipolar", version=12, run=_run, params=_params)
+EPIPOLAR = Task("rigidity", "epipolar", version=13, run=_run, params=_params)
 
 STAGE = Stage(
     name="rigidity",

@@ -89,6 +89,47 @@ def test_a_corner_of_two_static_surfaces_is_excused_by_the_strict_test_alone(com
     assert np.mean(np.abs(strict_test) < 0.2) > 0.9
 
 
+@pytest.mark.parametrize("wall", [1, 20])
+def test_a_corner_of_a_near_surface_and_one_far_behind_it_is_excused(compare, wall):
+    pole = 40
+    images = before_a_wall(0, 0), before_a_wall(pole, wall)
+    corners = np.column_stack([np.full(40, POLE), np.arange(40.0, 120, 2)])
+
+    def strict_test(**changes):
+        params = RigidityParams(**{"test_behind": 24, **changes.pop("params", {})})
+        tracked = pole, SLOPE * (pole - wall)
+        return compare(None, tracked, images=images, points0=corners, params=params, **changes)[:, 1]
+
+    assert np.median(strict_test()) < 0.5 < 1 < np.median(strict_test(params={"test_behind": 0}))
+    # Of what seems too near, a surface behind it explains nothing.
+    np.testing.assert_array_equal(strict_test(largest=100.0), strict_test(params={"test_behind": 0}))
+
+
+def test_positions_behind_begin_at_the_farthest_static_point(compare):
+    # The wall lies in front of the ground at 15 px, the pole farther in front: 1 px is behind the ground.
+    pole, least = 40, 15.0
+    corners = np.column_stack([np.full(40, POLE), np.arange(40.0, 120, 2)])
+    found = [
+        np.median(
+            compare(
+                None,
+                (pole, SLOPE * (pole - wall)),
+                least=least,
+                images=(before_a_wall(0, 0), before_a_wall(pole, wall)),
+                points0=corners,
+            )[:, 1]
+        )
+        for wall in (1, 16)
+    ]
+    assert found[0] > 1 and found[1] < 0.5
+
+
+def test_a_mover_is_not_excused_by_what_is_behind_it(compare):
+    tracked = 30.0, 3.0
+    found, before = (compare((30, 3), tracked, params=RigidityParams(test_behind=count))[:, 1] for count in (24, 0))
+    assert np.median(found) > 1 and np.median(found) > 0.8 * np.median(before)
+
+
 def test_two_rigid_positions_excuse_no_less_than_one(compare):
     for shift, tracked in (((3, 0), (3.0, 1.0)), ((3, 2), (3.0, 2.0)), ((-2, 0), (-2.0, 0.0))):
         test, strict_test = compare(shift, tracked).T
@@ -213,7 +254,7 @@ def test_noise_by_day_does_not_depend_on_contrast(compare, image):
     np.testing.assert_array_equal(*found)
 
 
-@pytest.mark.parametrize(("name", "largest"), [("test_span", 255), ("test_half", 90)])
+@pytest.mark.parametrize(("name", "largest"), [("test_span", 255), ("test_half", 90), ("test_behind", 500)])
 def test_the_largest_patch_and_the_longest_search_can_be_compared(compare, name, largest):
     params = RigidityParams(**{"test_span": 1, "test_half": 1, name: largest})
     assert np.isfinite(compare((3, 0), (3.0, 0.0), params=params)).all()
