@@ -254,7 +254,7 @@ class TrackObjectParams(Frozen):
         " test limits errors to 5.5 by default, the square root of rigidity.test_gain times rigidity.test_limit",
     )
     min_score: Annotated[float, Unit.RATIO] = Field(
-        4.0,
+        3.0,
         ge=0,
         description="smallest score of a moving object: its summed errors times its mean strict test, per frame, of"
         " 1.7 pairs; lower finds more, and more that does not move",

@@ -213,7 +213,7 @@ def test_objects_keep_their_numbers_with_the_rest_of_their_surfaces(drive):
     assert scattered.on_surface.tolist() == [0, 1]
 
 
-@pytest.mark.parametrize(("num_on_surface", "needs"), [(0, 12.0), (7, 12.0), (8, 4.0), (25, 4.0)])
+@pytest.mark.parametrize(("num_on_surface", "needs"), [(0, 12.0), (7, 12.0), (8, 3.0), (25, 3.0)])
 def test_a_scattered_object_needs_more_evidence(drive, num_on_surface, needs):
     scene = drive(CAR)
     surface = np.zeros(len(scene.truth), np.uint16)
