@@ -2,8 +2,9 @@
 
 import errno
 import os
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Mapping
+from io import FileIO
+from typing import TypeVar
 
 from moseg.schemas.errors import CorruptArtifactError, MissingArtifactError, StoreError
 from moseg.store.local.layout import Layout
@@ -11,6 +12,9 @@ from moseg.store.names import MANIFEST
 from moseg.store.packing import Range
 
 _DAMAGED = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EIO)
+_Read = TypeVar("_Read")
+_LOOKS = 3
+"""At a file that is not there, although its artifact's folder is."""
 
 
 def read_file(folder: str, path: str, ref: str) -> bytes:
@@ -23,8 +27,7 @@ def read_file(folder: str, path: str, ref: str) -> bytes:
     CorruptArtifactError
         The artifact exists, but the file is lost or cannot be read.
     """
-    with _faults(folder, path, ref), open(f"{folder}/{path}", "rb", buffering=0) as file:
-        return file.readall()
+    return _read(folder, path, ref, lambda file: file.readall())
 
 
 def read_parts(folder: str, path: str, ref: str, nbytes: int, ranges: Mapping[str, Range]) -> dict[str, bytes]:
@@ -32,13 +35,16 @@ def read_parts(folder: str, path: str, ref: str, nbytes: int, ranges: Mapping[st
 
     Raises like `read_file`, and CorruptArtifactError if the file does not have `nbytes`.
     """
-    with _faults(folder, path, ref), open(f"{folder}/{path}", "rb", buffering=0) as file:
+
+    def read(file: FileIO) -> dict[str, bytes]:
         number = file.fileno()
         if (found := os.fstat(number).st_size) != nbytes:
             raise CorruptArtifactError(
                 "file of another length", where=f"{ref} {path}", got=found, expected=nbytes, ref=ref
             )
         return {name: _read_part(number, part) for name, part in ranges.items()}
+
+    return _read(folder, path, ref, read)
 
 
 def _read_part(number: int, part: Range) -> bytes:
@@ -52,20 +58,29 @@ def _read_part(number: int, part: Range) -> bytes:
     return content
 
 
-@contextmanager
-def _faults(folder: str, path: str, ref: str) -> Iterator[None]:
-    """Raise what `read_file` documents for the errors of the system in the block."""
-    try:
-        yield
-    except CorruptArtifactError:
-        # It is an OSError too, and already describes the problem.
-        raise
-    except OSError as error:
-        if error.errno not in _DAMAGED:
-            raise StoreError(f"cannot read: {error.strerror}", where=f"{ref} {path}") from error
-        if not os.path.lexists(folder):
-            raise MissingArtifactError("no such artifact", where=ref) from None
-        raise CorruptArtifactError(f"unreadable file: {error.strerror}", where=f"{ref} {path}", ref=ref) from None
+def _read(folder: str, path: str, ref: str, read: Callable[[FileIO], _Read]) -> _Read:
+    """Return what `read` returns of an open file; raises what `read_file` documents for the errors of the system.
+
+    Another process may take the artifact out of service, and a third one commit it again, between two looks: the file
+    is not there, then the folder is. What is lost is so at the next look too.
+    """
+    looks = 0
+    while True:
+        looks += 1
+        try:
+            with open(f"{folder}/{path}", "rb", buffering=0) as file:
+                return read(file)
+        except CorruptArtifactError:
+            # It is an OSError too, and already describes the problem.
+            raise
+        except OSError as error:
+            if error.errno not in _DAMAGED:
+                raise StoreError(f"cannot read: {error.strerror}", where=f"{ref} {path}") from error
+            if not os.path.lexists(folder):
+                raise MissingArtifactError("no such artifact", where=ref) from None
+            if error.errno != errno.ENOENT or looks == _LOOKS:
+                problem = f"unreadable file: {error.strerror}"
+                raise CorruptArtifactError(problem, where=f"{ref} {path}", ref=ref) from None
 
 
 def read_manifests(layout: Layout, refs: Collection[str]) -> dict[str, bytes]:
