@@ -55,6 +55,7 @@ ROAD_PARTS = {
     "gap-2": "--set rigidity.gaps=2",
     "gap-4": "--set rigidity.gaps=4",
     "no-patch-test": "--set rigidity.test_gain=1000000",
+    "no-behind": "--set rigidity.test_behind=0",
     "no-contact": "--set rigidity.contact_lift=2",
     "no-field": "--set track_field.coupling=0",
     "no-groups": "--set track_groups.min_moving=1000000",

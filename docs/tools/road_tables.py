@@ -91,6 +91,7 @@ def _road_parts() -> Rows:
         "gap-2": "pairs 2 frames apart only",
         "gap-4": "pairs 4 frames apart only",
         "no-patch-test": "errors of tracks not limited by the patch test",
+        "no-behind": "halves of a patch only explained near its track",
         "no-contact": "no test of the contact with the ground",
         "no-field": "no agreement with neighbours",
         "no-groups": "candidates not regrouped by motion",
